@@ -1,0 +1,2 @@
+//! inkrig
+fn main() {}
