@@ -1,1 +1,39 @@
-//! inkrig-motion
+//! What a motion is: [`Skeleton`], [`Clip`], forward kinematics, resampling in time, root motion and
+//! frame features. No files, no solver.
+//!
+//! Conventions of the whole program: metres, seconds, radians, y up, right-handed; rotations are unit
+//! quaternions, local to the parent joint; the time axis comes first (a track is frames x joints).
+//!
+//! ```
+//! use inkrig_motion::{Clip, Joint, Skeleton, TranslationTrack, glam::{Quat, Vec3}, kinematics};
+//! use std::sync::Arc;
+//!
+//! let skeleton = Arc::new(Skeleton::new(vec![
+//!     Joint::new("hip", None, Vec3::ZERO),
+//!     Joint::new("knee", Some(0), Vec3::new(0.0, -0.5, 0.0)),
+//! ])?);
+//! let clip = Clip::new(skeleton, 30.0, vec![Quat::IDENTITY; 4], vec![TranslationTrack {
+//!     joint: 0,
+//!     values: vec![Vec3::Y, Vec3::Y + Vec3::Z],
+//! }])?;
+//! let positions = kinematics::positions(&clip);
+//! assert_eq!(positions.frame(1)[1], Vec3::new(0.0, 0.5, 1.0));
+//! # Ok::<(), inkrig_motion::MotionError>(())
+//! ```
+
+pub mod channels;
+mod clip;
+mod error;
+mod features;
+pub mod kinematics;
+pub mod lead_in;
+pub mod root;
+pub mod rotation;
+mod skeleton;
+pub mod time;
+
+pub use clip::{Clip, TranslationTrack};
+pub use error::MotionError;
+pub use features::{FeatureOptions, Features, RotationSpace, VelocityFrame, frame_features};
+pub use glam;
+pub use skeleton::{Joint, Skeleton};
