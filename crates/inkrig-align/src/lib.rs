@@ -1,1 +1,29 @@
-//! inkrig-align
+//! The first engine: an animator's own clip, of any skeleton, arranged anew so that it follows a drawn curve.
+//!
+//! The method is Metric-Aligning Motion Matching (MAMM, SIGGRAPH 2025): patches of the motion are matched to patches
+//! of the control so that distances *within* the one agree with distances *within* the other, by fused semi-unbalanced
+//! Gromov-Wasserstein transport, coarse to fine. Nothing is trained, no distance between a drawing and a motion is
+//! ever needed.
+
+mod alignment;
+pub mod blend;
+pub mod coarse_to_fine;
+mod control;
+mod error;
+pub mod measures;
+mod options;
+pub mod patches;
+pub mod pca;
+mod progress;
+pub mod pyramid;
+pub mod reconstruct;
+mod report;
+#[cfg(test)]
+mod testing;
+
+pub use alignment::{Alignment, MOST_FRAMES, align};
+pub use control::{Control, CurveOptions};
+pub use error::AlignError;
+pub use options::{Options, Preset};
+pub use progress::{Observer, Progress};
+pub use report::Report;

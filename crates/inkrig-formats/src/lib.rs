@@ -1,1 +1,39 @@
-//! inkrig-formats
+//! Motions as files, one module per format. Bytes in, an [`Import`] out, and back.
+//!
+//! Readers take bytes, never a path, and follow nothing that stands outside of them. What cannot be read gives a
+//! [`FormatError`] that says what, where and what to do; what was read but deserves a word gives a [`Finding`].
+//! A [`Clip`](inkrig_motion::Clip) is always in metres and y up: units and axes are converted here and nowhere else.
+//!
+//! ```
+//! use inkrig_formats::{ExportOptions, ImportOptions, read_bvh, write_bvh};
+//!
+//! let text = b"HIERARCHY\nROOT hip\n{\nOFFSET 0 0 0\nCHANNELS 1 Yrotation\nEnd Site\n{\nOFFSET 0 170 0\n}\n}\n\
+//!     MOTION\nFrames: 2\nFrame Time: .0083333\n0\n90\n";
+//! let import = read_bvh(text, &ImportOptions::default())?;
+//! assert_eq!(import.source.metres_per_unit, 0.01);
+//! assert_eq!(import.clip.frames(), 2);
+//! // Written in the units and the channel order that the file had.
+//! let written = write_bvh(&import.clip, &ExportOptions::like(&import.source))?;
+//! assert!(written.bytes.ends_with(b"Frame Time: 0.0083333\n0\n90\n"));
+//! # Ok::<(), inkrig_formats::FormatError>(())
+//! ```
+
+#![deny(clippy::indexing_slicing)]
+
+mod bvh;
+mod error;
+mod export;
+mod finding;
+mod format;
+mod import;
+mod limits;
+mod unit;
+
+pub use bvh::{read_bvh, write_bvh};
+pub use error::FormatError;
+pub use export::{ExportOptions, Written};
+pub use finding::{Finding, Place, Severity};
+pub use format::{Format, read_motion, write_motion};
+pub use import::{Axis, Channel, Evidence, Import, ImportOptions, SourceInfo, UpAxis};
+pub use limits::Limits;
+pub use unit::guess_metres_per_unit;

@@ -1,48 +1,69 @@
 //! The calibration pose that many motion files begin with.
 
 use crate::Clip;
+use glam::Quat;
+
+/// Longest lead-in that is looked for, seconds.
+const LONGEST: f64 = 2.0;
+/// A pose with a smaller mean turn of its joints is a rest pose, degrees. Capture files have 1 to 3.
+const REST: f32 = 8.0;
+/// The body moves less than this a frame while it is held, degrees a joint in the mean.
+const HELD: f32 = 1.0;
+/// A smaller step is no jump, degrees a joint in the mean.
+const JUMP: f32 = 2.5;
+/// A jump is so many times larger than the ordinary steps after it.
+const OUTLIER: f32 = 3.5;
+/// Steps after a jump that say what is ordinary.
+const AFTER: usize = 10;
 
 /// How many frames at the beginning are a rest pose (T-pose) that is not part of the motion: 0 for most clips.
 ///
-/// Such a lead-in is nearly still, then the body jumps to where the motion begins: the jump is at least five times
-/// the largest step that the rest of the clip holds in one frame and at least four degrees a joint in the mean.
-/// Align and training leave it out; converting and retargeting keep it.
+/// Such a lead-in is held still near the rest pose, then the body jumps to where the motion begins, within a frame
+/// or two (files that were thinned or filtered hold a frame half way). Aligning and training leave it out;
+/// converting and retargeting keep it.
 pub fn rest_pose_frames(clip: &Clip) -> usize {
-    /// Longest lead-in that is looked for, seconds.
-    const LONGEST: f64 = 2.0;
-    const OUTLIER: f32 = 5.0;
-    /// Fewer steps than this say nothing of what is ordinary.
-    const LEAST_AFTER: usize = 8;
-    const LEAST_JUMP: f32 = 4.0 * std::f32::consts::PI / 180.0;
-
-    let steps: Vec<f32> = (1..clip.frames()).map(|frame| step(clip, frame)).collect();
-    let longest = ((LONGEST * clip.frame_rate()) as usize).clamp(1, 1000).min(steps.len() / 2);
-    let Some((jump, &size)) = steps[..longest].iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)) else {
-        return 0;
+    let longest = ((LONGEST * clip.frame_rate()) as usize).clamp(1, 1000);
+    let steps: Vec<f32> =
+        (1..clip.frames().min(longest + 3 + AFTER)).map(|frame| step(clip, frame)).collect();
+    let jumps = |index: usize| {
+        let after = &steps[(index + 1).min(steps.len())..(index + 1 + AFTER).min(steps.len())];
+        after.len() == AFTER && steps[index] > JUMP && steps[index] > OUTLIER * median(after)
     };
-    let before = steps[..jump].iter().copied().fold(0.0, f32::max);
-    let mut after = steps[jump + 1..].to_vec();
-    if after.len() < LEAST_AFTER {
+    let Some(first) = (0..longest.min(steps.len())).find(|&index| steps[index] > HELD) else { return 0 };
+    if mean_turn(clip, first) > REST || !jumps(first) {
         return 0;
     }
-    // A glitch later in the clip shall not hide the lead-in: the 99th percentile stands for the largest step.
-    let rank = (after.len() - 1) * 99 / 100;
-    let (_, &mut largest, _) = after.select_nth_unstable_by(rank, f32::total_cmp);
-    let lead_in = size > OUTLIER * largest.max(before) && size > LEAST_JUMP;
-    if lead_in { jump + 1 } else { 0 }
+    let half_way = (first + 1..(first + 3).min(steps.len())).take_while(|&index| jumps(index)).count();
+    first + 1 + half_way
 }
 
-/// Mean turn of the joints from the frame before, radians.
+/// Mean turn of the joints away from the rest pose, degrees.
+fn mean_turn(clip: &Clip, frame: usize) -> f32 {
+    mean_angle(clip, clip.rotations(frame).iter().map(|rotation| rotation.angle_between(Quat::IDENTITY)))
+}
+
+/// Mean turn of the joints from the frame before, degrees.
 fn step(clip: &Clip, frame: usize) -> f32 {
     let pairs = clip.rotations(frame).iter().zip(clip.rotations(frame - 1));
-    pairs.map(|(to, from)| to.angle_between(*from)).sum::<f32>() / clip.skeleton().len() as f32
+    mean_angle(clip, pairs.map(|(to, from)| to.angle_between(*from)))
+}
+
+fn mean_angle(clip: &Clip, angles: impl Iterator<Item = f32>) -> f32 {
+    let turning = clip.skeleton().joints().iter().filter(|joint| !joint.end_site).count();
+    (angles.sum::<f32>() / turning.max(1) as f32).to_degrees()
+}
+
+fn median(values: &[f32]) -> f32 {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable_by(f32::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{Joint, Skeleton};
-    use glam::{Quat, Vec3};
+    use glam::Vec3;
     use std::sync::Arc;
 
     fn swinging(lead_in: usize) -> Clip {
@@ -62,6 +83,7 @@ mod tests {
         assert_eq!(rest_pose_frames(&swinging(0)), 0);
         assert_eq!(rest_pose_frames(&swinging(1)), 1);
         assert_eq!(rest_pose_frames(&swinging(10)), 10);
+        assert_eq!(rest_pose_frames(&swinging(80)), 0, "longer than any lead-in");
     }
 
     #[test]

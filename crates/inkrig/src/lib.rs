@@ -1,1 +1,34 @@
-//! inkrig
+//! inkrig turns drawings and examples into 3D character animation, offline, on a CPU.
+//!
+//! This crate is the program `inkrig` and, as a library, the front door: every room of the house under one name.
+//!
+//! ```
+//! use inkrig::align::{Control, CurveOptions, Options, align};
+//! use inkrig::{formats, samples, sketch};
+//!
+//! let clip = formats::read_bvh(samples::find("person").unwrap().bytes, &formats::ImportOptions::default())?.clip;
+//! let curve = sketch::read_curve(samples::find("spiral").unwrap().bytes, sketch::Format::Json)?;
+//! let control = Control::from_curve(&curve, &CurveOptions { samples: Some(120), ..CurveOptions::default() })?;
+//! let options = Options { levels: 3, ..Options::default() };
+//! let result = align(&clip, &control, &options, &mut |_| std::ops::ControlFlow::Continue(()))?;
+//! assert_eq!(result.clip.frames(), 120);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub use inkrig_align as align;
+pub use inkrig_formats as formats;
+pub use inkrig_motion as motion;
+pub use inkrig_samples as samples;
+pub use inkrig_sketch as sketch;
+pub use inkrig_transport as transport;
+
+pub mod cli;
+pub mod commands;
+pub mod console;
+pub mod error;
+pub mod load;
+pub mod output;
+pub mod preview;
+pub mod sheet;
+mod show;
+pub mod span;

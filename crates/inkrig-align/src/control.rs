@@ -1,0 +1,80 @@
+//! What the motion shall follow.
+
+use crate::AlignError;
+use inkrig_motion::Features;
+use inkrig_sketch::{Curve, Ends, Timing, frame_count, resample, smooth};
+
+/// A control as the solver sees it: a table of numbers over time, never a file. Only distances between its rows
+/// count, so its scale and place do not matter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Control {
+    /// One row a sample.
+    pub features: Features,
+    /// Samples a second. Matching resamples the control when this is not the matching rate.
+    pub rate: f64,
+}
+
+/// How a drawn curve becomes a control.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurveOptions {
+    /// Number of samples; `None`: the curve's own, or ten seconds for an outline that has no time of its own.
+    pub samples: Option<usize>,
+    /// Samples a second.
+    pub rate: f64,
+    /// Standard deviation of the Gaussian that takes out the hand's tremble, in samples (Sec. 4.1). 0 for none.
+    pub smooth: f64,
+    /// How the samples are spread along the curve; `None` chooses by what the curve has.
+    pub timing: Option<Timing>,
+}
+
+impl Default for CurveOptions {
+    fn default() -> Self {
+        Self { samples: None, rate: 30.0, smooth: 2.0, timing: None }
+    }
+}
+
+impl Control {
+    /// The control of a drawn 2D curve: points at constant time intervals, smoothed (MAMM Sec. 4.1).
+    ///
+    /// # Errors
+    /// When the curve does not move, or the number of samples is not usable.
+    pub fn from_curve(curve: &Curve, options: &CurveOptions) -> Result<Self, AlignError> {
+        /// Length of a drawing without time, seconds.
+        const TIMELESS: f64 = 10.0;
+        let own = || frame_count(curve, options.rate).unwrap_or((TIMELESS * options.rate).round() as usize);
+        let samples = options.samples.unwrap_or_else(own);
+        let timing = options.timing.unwrap_or_else(|| Timing::automatic(curve, samples));
+        let points = smooth(&resample(curve, samples, timing)?, options.smooth, Ends::Open)?;
+        // Centred in f64: a small drawing far from the origin would lose its digits in f32.
+        let count = points.len().max(1) as f64;
+        let mean = points
+            .iter()
+            .fold([0.0, 0.0], |sum, point| [sum[0] + point[0] / count, sum[1] + point[1] / count]);
+        let size =
+            points.iter().flat_map(|p| [(p[0] - mean[0]).abs(), (p[1] - mean[1]).abs()]).fold(0.0, f64::max);
+        let scale = if size > 0.0 { 1.0 / size } else { 1.0 };
+        let values = points
+            .iter()
+            .flat_map(|p| [((p[0] - mean[0]) * scale) as f32, ((p[1] - mean[1]) * scale) as f32]);
+        Ok(Self { features: Features::new(values.collect(), 2)?, rate: options.rate })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn place_and_scale_do_not_matter() {
+        let circle = |x: f64, size: f64| {
+            let at = |i: usize| (i as f64 * 0.1).sin_cos();
+            let points = (0..90).map(|i| [x + size * at(i).0, -x + size * at(i).1]).collect();
+            Control::from_curve(&Curve::new(points).unwrap(), &CurveOptions::default()).unwrap()
+        };
+        let (near, far) = (circle(0.0, 1.0), circle(1e6, 1e-3));
+        assert_eq!(near.features.frames(), 90);
+        for (a, b) in near.features.as_slice().iter().zip(far.features.as_slice()) {
+            assert!((a - b).abs() < 1e-5);
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Why a motion could not be aligned.
+
+use inkrig_motion::MotionError;
+use inkrig_sketch::SketchError;
+use inkrig_transport::TransportError;
+
+/// What stood in the way, and what to do about it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AlignError {
+    /// The clip is shorter than one patch and a little.
+    #[error(
+        "the clip has {frames} frames at {rate:.0} a second, but patches of {patch} need at least {needed}: give a longer clip or a smaller --patch"
+    )]
+    ClipTooShort {
+        /// Frames at the matching rate.
+        frames: usize,
+        /// The matching rate, frames a second.
+        rate: f64,
+        /// Frames of a patch.
+        patch: usize,
+        /// Frames that are needed.
+        needed: usize,
+    },
+    /// The control is shorter than one patch and a little.
+    #[error(
+        "the control has {frames} samples, but patches of {patch} need at least {needed}: draw longer, or give --length or a smaller --patch"
+    )]
+    ControlTooShort {
+        /// Samples at the matching rate.
+        frames: usize,
+        /// Frames of a patch.
+        patch: usize,
+        /// Samples that are needed.
+        needed: usize,
+    },
+    /// More frames than the dense solver shall hold.
+    #[error(
+        "{what} has {frames} frames at the matching rate, more than the {most} that are matched at once: cut it with {cut}"
+    )]
+    TooLong {
+        /// The clip or the control.
+        what: &'static str,
+        /// Its frames at the matching rate.
+        frames: usize,
+        /// The limit.
+        most: usize,
+        /// The flag that cuts it.
+        cut: &'static str,
+    },
+    /// Nothing in the clip changes.
+    #[error("nothing in the clip moves, so there is nothing to arrange: give a clip with motion in it")]
+    StillClip,
+    /// Nothing in the control changes.
+    #[error("the control does not change, so it says nothing of the motion: draw something that moves")]
+    StillControl,
+    /// An option outside of its range.
+    #[error("{name} is {value}, but must be {range}")]
+    Option {
+        /// Its name as a flag.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        range: &'static str,
+    },
+    /// The person at the keyboard said stop.
+    #[error("cancelled")]
+    Cancelled,
+    /// From the motion core.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// From the drawing.
+    #[error(transparent)]
+    Sketch(#[from] SketchError),
+    /// From the transport solver.
+    #[error(transparent)]
+    Transport(#[from] TransportError),
+}

@@ -1,0 +1,95 @@
+//! What came out, in flat numbers with stable names.
+
+use crate::coarse_to_fine::LevelRow;
+use serde::Serialize;
+
+/// Numbers of one alignment. The names are stable: tools may read them from the report file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Pearson correlation of patch distances within the control and within the result, -1..=1.
+    pub structure_pearson: f64,
+    /// The same by ranks.
+    pub structure_spearman: f64,
+    /// What the clip alone gives, stretched evenly to the control's length: the baseline.
+    pub structure_pearson_warp: f64,
+    /// Mean distance of an output patch to its nearest source patch, in mean source distances.
+    pub nearest_patch: f64,
+    /// Share of the source's patches that the result comes near to, 0..=1.
+    pub coverage: f64,
+    /// Mean root-relative joint speed of the result over the source's.
+    pub speed_mean_ratio: f64,
+    /// 99.9th percentile of root-relative joint speed of the result over the source's: above 2 something jumps.
+    pub jump_q999_ratio: f64,
+    /// Mean third difference of the result over the source's.
+    pub jerk_ratio: f64,
+    /// Share of steps slower than a tenth of the source's mean speed, 0..=1.
+    pub freeze: f64,
+    /// The same of the source itself.
+    pub freeze_source: f64,
+    /// Solver gradients taken.
+    pub gradients: usize,
+    /// Wall seconds from features ready to final features: distances, all levels, polish.
+    pub solve_seconds: f64,
+    /// Wall seconds of everything: features, solving, putting the clip together, measuring.
+    pub total_seconds: f64,
+    /// Source frames at the matching rate.
+    pub source_frames: usize,
+    /// Control samples at the matching rate.
+    pub control_frames: usize,
+    /// Leading rest-pose frames (at the clip's own rate) that were left out.
+    pub rest_pose_frames: usize,
+    /// Share of the features' variance that matching saw, 0..=1.
+    pub feature_energy: f64,
+    /// The instruction set that was used; results are the same bytes only within one.
+    pub instruction_set: &'static str,
+    /// What a reader should know: too little material, jumps, freezing, frames left out.
+    pub notes: Vec<String>,
+    /// One row a level.
+    pub levels: Vec<LevelRow>,
+}
+
+/// Notes on a result that a person would otherwise find out by looking.
+pub(crate) fn notes(report: &Report) -> Vec<String> {
+    let mut notes = Vec::new();
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    match report.rest_pose_frames {
+        0 => {}
+        1 => notes.push("The clip's first frame is a rest pose (T-pose) and was left out.".to_string()),
+        count => {
+            notes
+                .push(format!("The clip's first {count} frames are a rest pose (T-pose) and were left out."));
+        }
+    }
+    if report.speed_mean_ratio < 0.5 || report.freeze > report.freeze_source + 0.2 {
+        notes.push(format!(
+            "Too little material: the result stands nearly still for {} of the time (mean speed {:.2} of the clip's). \
+             The control asks for more variety than the clip has: give a longer or more varied clip, or a larger --lambda (0.3).",
+            percent(report.freeze),
+            report.speed_mean_ratio
+        ));
+    }
+    if report.coverage < 0.1 {
+        notes.push(format!(
+            "Only {} of the clip is used. A larger --lambda uses more of it.",
+            percent(report.coverage)
+        ));
+    }
+    if report.jump_q999_ratio > 2.0 {
+        notes.push(format!(
+            "The fastest movements are {:.1} times faster than in the clip: look for jumps. A larger --smooth or --preset natural may help.",
+            report.jump_q999_ratio
+        ));
+    }
+    if report.structure_pearson < report.structure_pearson_warp + 0.1 {
+        notes.push(
+            "The result follows the control little better than the clip stretched to its length: the two have little in common."
+                .to_string(),
+        );
+    }
+    if report.nearest_patch > 0.4 {
+        notes.push(
+            "The result strays from the clip's own poses. --preset natural stays nearer to them.".to_string(),
+        );
+    }
+    notes
+}

@@ -1,0 +1,45 @@
+//! How a motion is written.
+
+use crate::{Channel, Finding, SourceInfo, UpAxis};
+
+/// How to write a motion. The default suits most programs: centimetres, y up, the format's usual channels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExportOptions {
+    /// Length of one unit of the file in metres, 1e-9 to 1e9. Default: 0.01.
+    pub metres_per_unit: f64,
+    /// The axis that points up in the file. Default: y.
+    pub up: UpAxis,
+    /// The channels of each joint of the skeleton, in file order. Empty (the default): positions x, y, z on roots and
+    /// on joints with a translation track, then rotations z, y, x on all but end sites.
+    pub channels: Vec<Vec<Channel>>,
+    /// Seconds from frame to frame as the source said it; used when the clip still has that rate, so that a rounded
+    /// value such as .0083333 comes back unchanged. Default: none.
+    pub frame_time: Option<f64>,
+}
+
+/// A motion that was written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Written {
+    /// The whole file.
+    pub bytes: Vec<u8>,
+    /// What could not be kept, and what was chosen.
+    pub findings: Vec<Finding>,
+}
+
+impl ExportOptions {
+    /// The units, axes, channel order and frame time of a source.
+    pub fn like(source: &SourceInfo) -> Self {
+        Self {
+            metres_per_unit: source.metres_per_unit,
+            up: source.up,
+            channels: source.channels.clone(),
+            frame_time: source.frame_time,
+        }
+    }
+}
+
+impl Default for ExportOptions {
+    fn default() -> Self {
+        Self { metres_per_unit: 0.01, up: UpAxis::Y, channels: Vec::new(), frame_time: None }
+    }
+}

@@ -1,0 +1,31 @@
+//! How much a file may ask for.
+
+/// Upper bounds of a reader, checked before anything is allocated. The defaults let every real file through.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Size of the file. Default: 512 MiB.
+    pub bytes: usize,
+    /// Joints, end sites included. Nested joints count like others: no reader recurses. Default: 16384.
+    pub joints: usize,
+    /// Length of one joint's name, bytes. Default: 256.
+    pub name_bytes: usize,
+    /// Frames times joints, 16 bytes each in memory. Default: 128 Mi, which is 2 GiB. Whatever is set here, a file
+    /// gets no more than [`Self::FREE_CELLS`] and one for each of its bytes.
+    pub cells: usize,
+}
+
+impl Limits {
+    /// Frames times joints that any file may have, however short its rows are: 1 Mi, which is 16 MiB in memory.
+    pub const FREE_CELLS: usize = 1 << 20;
+
+    /// The number of cells that a file of `bytes` bytes may have.
+    pub(crate) fn cells_for(&self, bytes: usize) -> usize {
+        self.cells.min(Self::FREE_CELLS.saturating_add(bytes))
+    }
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { bytes: 512 << 20, joints: 16_384, name_bytes: 256, cells: 128 << 20 }
+    }
+}

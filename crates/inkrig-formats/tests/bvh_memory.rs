@@ -1,0 +1,96 @@
+//! No header makes the reader allocate more than a small multiple of the bytes that are really there.
+#![allow(
+    unsafe_code,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "counting what is allocated takes an allocator, which is unsafe by nature; helpers of a test may fail"
+)]
+
+use inkrig_formats::{ImportOptions, read_bvh};
+use std::{
+    alloc::{GlobalAlloc, Layout, System},
+    sync::atomic::{AtomicUsize, Ordering::Relaxed},
+};
+
+struct Counting;
+
+static LIVE: AtomicUsize = AtomicUsize::new(0);
+static PEAK: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: every call is handed to the system's allocator unchanged; the counters do not touch memory.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let live = LIVE.fetch_add(layout.size(), Relaxed) + layout.size();
+        PEAK.fetch_max(live, Relaxed);
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        LIVE.fetch_sub(layout.size(), Relaxed);
+        // SAFETY: the caller keeps the contract of `dealloc`.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Bytes alive at the worst moment of reading, above what was alive before.
+fn peak(text: &[u8]) -> (usize, bool) {
+    let before = LIVE.load(Relaxed);
+    PEAK.store(before, Relaxed);
+    let read = read_bvh(text, &ImportOptions::default()).is_ok();
+    (PEAK.load(Relaxed) - before, read)
+}
+
+// The only test of its file: others at the same time would be counted too.
+#[test]
+fn hostile_headers_allocate_little() {
+    let root = "HIERARCHY\nROOT a{OFFSET 0 0 0 CHANNELS 1 Xrotation ";
+    let motion = "}\nMOTION\nFrames: 99999999999\nFrame Time: 0.1\n";
+    let long = "n".repeat(250);
+    let cases = [
+        ("a huge frame count", format!("{root}{motion}0\n")),
+        ("a huge channel count", "HIERARCHY\nROOT a{OFFSET 0 0 0 CHANNELS 99999999999 Xrotation".into()),
+        ("joints without channels", format!("{root}{}{motion}0\n", "JOINT b{OFFSET 0 1 0}".repeat(16_000))),
+        ("end sites", format!("{root}{}{motion}0\n", "End{OFFSET 0 1 0}".repeat(16_000))),
+        ("end sites of a long name", {
+            let sites = "End{OFFSET 0 1 0}".repeat(16_000);
+            format!("HIERARCHY\nROOT {long}{{OFFSET 0 0 0 CHANNELS 1 Xrotation {sites}{motion}0\n")
+        }),
+        ("nested joints", format!("{root}{}", "JOINT b{OFFSET 0 1 0 ".repeat(16_000))),
+        ("joints beyond the limit", format!("{root}{}", "JOINT b{".repeat(200_000))),
+        ("channels", format!("{root}{}", "JOINT b{OFFSET 0 1 0 CHANNELS 1 Xrotation}".repeat(16_000))),
+        ("many channels of a joint", {
+            let channels = "Xrotation ".repeat(300_000);
+            format!("HIERARCHY\nROOT a{{OFFSET 0 0 0 CHANNELS 300000 {channels}{motion}0\n")
+        }),
+        ("a name of 1 MB", format!("HIERARCHY\nROOT {}", "n".repeat(1 << 20))),
+        ("a number of 1 MB", format!("{root}{motion}{}", "1".repeat(1 << 20))),
+        ("a row of 1 MB", format!("{root}{motion}{}", "1 ".repeat(1 << 19))),
+        ("a million rows", format!("{root}{motion}{}", "1\n".repeat(1 << 20))),
+        ("a million empty lines", format!("{root}{motion}{}1\n", " \n".repeat(1 << 20))),
+        ("positions", {
+            let channels = "CHANNELS 3 Xposition Yposition Zposition";
+            format!("HIERARCHY\nROOT a{{OFFSET 0 0 0 {channels}{motion}{}", "1 1 1\n".repeat(200_000))
+        }),
+    ];
+    println!("{:<28}{:>12}{:>12}{:>8}", "case", "bytes", "peak", "times");
+    for (name, text) in &cases {
+        let (peak, read) = peak(text.as_bytes());
+        let times = peak as f64 / text.len() as f64;
+        println!(
+            "{name:<28}{:>12}{peak:>12}{times:>8.1}  {}",
+            text.len(),
+            if read { "read" } else { "refused" }
+        );
+        assert!(peak <= 16 * text.len() + (1 << 20), "{name}: {peak} bytes for a file of {}", text.len());
+    }
+    // Short rows of a wide skeleton are the one thing that may cost more: up to 16 MiB, and 16 bytes a byte.
+    let wide = format!("{root}{}{motion}{}", "JOINT b{OFFSET 0 1 0}".repeat(1000), "0\n".repeat(1000));
+    let (peak, read) = peak(wide.as_bytes());
+    assert!(read && peak <= 17 * wide.len() + (17 << 20), "{peak} bytes for a file of {}", wide.len());
+}

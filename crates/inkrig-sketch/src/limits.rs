@@ -1,0 +1,27 @@
+//! How much a drawing may ask of us. Every limit is checked before the memory it guards is taken.
+
+/// Largest file, in bytes (64 MiB).
+pub const MAX_BYTES: usize = 64 << 20;
+/// Most points of one curve, all strokes together, read or flattened.
+pub const MAX_POINTS: usize = 1_000_000;
+/// Largest magnitude of a coordinate (canvas units) or of a pen time (seconds).
+pub const MAX_MAGNITUDE: f64 = 1e15;
+/// Most frames that [`crate::resample`] makes: nine hours at 30 frames a second.
+pub const MAX_FRAMES: usize = 1_000_000;
+/// Widest Gaussian of [`crate::smooth`], in frames: 33 seconds at 30 frames a second.
+pub const MAX_SIGMA: f64 = 1000.0;
+
+/// Most elements of an SVG drawing, after each `<use>` has been replaced by what it refers to.
+pub const MAX_SVG_ELEMENTS: usize = 100_000;
+/// Deepest nesting of an SVG drawing, counted through `<use>`.
+pub const MAX_SVG_DEPTH: usize = 128;
+/// Most attributes of an SVG drawing, as written in the file.
+pub const MAX_SVG_ATTRIBUTES: usize = 1_000_000;
+/// Most attributes of one SVG element.
+pub const MAX_SVG_ELEMENT_ATTRIBUTES: usize = 256;
+/// Most bytes of attribute text (path data above all), after `<use>` and entities have been expanded (16 MiB).
+pub const MAX_SVG_TEXT: usize = 16 << 20;
+/// Most style rules times elements: what matching a style sheet costs.
+pub const MAX_SVG_STYLE_MATCHES: usize = 5_000_000;
+/// Most declarations of name spaces times distinct prefixes, and most references times entities: what resolving costs.
+pub const MAX_SVG_LOOKUPS: usize = 16 << 20;

@@ -1,0 +1,9 @@
+//! The solvers against reference vectors, against each other, and their promises: determinism, no allocation, no NaN.
+
+// Helpers stand outside of test functions; a test may stop at an error, and says what it measured.
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+mod fixture;
+mod promises;
+mod quality;
+mod vectors;

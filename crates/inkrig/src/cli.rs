@@ -1,0 +1,228 @@
+//! The command line, as people see it.
+
+use crate::span::{Length, Span};
+use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
+use std::path::PathBuf;
+
+/// Turns drawings and examples into 3D character animation. Offline, on a CPU.
+#[derive(Debug, Parser)]
+#[command(name = "inkrig", version, propagate_version = true, arg_required_else_help = true)]
+#[command(
+    after_help = "Examples:\n  inkrig demo                                         see it work, with nothing else needed\n  inkrig align dance.bvh --curve spiral.svg -o new.bvh    a drawn curve moves your clip\n  inkrig inspect dance.bvh                            what is in a file"
+)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Print one JSON object instead of text.
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Say nothing but errors.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Write a finished example to a folder and say what to open
+    #[command(after_help = "Examples:\n  inkrig demo\n  inkrig demo my-folder")]
+    Demo(DemoArgs),
+    /// Re-arrange a clip so that it follows a drawn curve
+    #[command(after_help = ALIGN_EXAMPLES)]
+    Align(Box<AlignArgs>),
+    /// Say what is in a motion file: skeleton, frames, unit, problems
+    #[command(after_help = "Examples:\n  inkrig inspect walk.bvh\n  inkrig inspect walk.bvh --json")]
+    Inspect(InspectArgs),
+    /// Print a completion script for your shell
+    #[command(
+        after_help = "Example:\n  inkrig completions bash > ~/.local/share/bash-completion/completions/inkrig"
+    )]
+    Completions {
+        /// The shell.
+        shell: clap_complete::Shell,
+    },
+}
+
+const ALIGN_EXAMPLES: &str = "\
+Examples:
+  inkrig align dance.bvh --curve spiral.svg -o new.bvh
+      ten seconds of dance that grows and shrinks with the drawing
+  inkrig align dance.bvh --range 0s..20s --curve pen.csv --preset natural -o new.bvh --preview new.html
+      only the first twenty seconds, nearer to the clip's own poses, with a page to look at
+  inkrig align horse.bvh --curve eight.json --length 12s -o new.bvh --sheet new.png --report new.json
+      twelve seconds, with a contact sheet and the numbers
+
+Curves: JSON ([[x,y],...] or [[x,y,t],...]), CSV (x,y or x,y,t; n rows without t are n frames of 30 a second), SVG (its paths).";
+
+/// Arguments of `inkrig demo`.
+#[derive(Debug, Args)]
+pub struct DemoArgs {
+    /// The folder to write to; made if it is not there
+    #[arg(default_value = "inkrig-demo", value_hint = ValueHint::DirPath)]
+    pub folder: PathBuf,
+}
+
+/// Arguments of `inkrig inspect`.
+#[derive(Debug, Args)]
+pub struct InspectArgs {
+    /// The motion file
+    #[arg(value_hint = ValueHint::FilePath)]
+    pub file: PathBuf,
+    #[command(flatten)]
+    /// How to read it.
+    pub import: ImportArgs,
+}
+
+/// How to read a motion file.
+#[derive(Debug, Args)]
+pub struct ImportArgs {
+    /// Metres in one unit of the file (0.01 for centimetres); guessed if not given
+    #[arg(long, value_name = "METRES", value_parser = parse_unit, help_heading = "Reading")]
+    pub unit: Option<f64>,
+    /// The axis that points up in the file
+    #[arg(long, value_name = "AXIS", help_heading = "Reading")]
+    pub up: Option<Up>,
+    /// Frames a second of the file, where it says nothing usable or the wrong thing
+    #[arg(long, value_name = "RATE", help_heading = "Reading")]
+    pub source_fps: Option<f64>,
+}
+
+/// Axes that can point up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Up {
+    /// y up: most files.
+    Y,
+    /// z up: some capture systems and exporters.
+    Z,
+}
+
+/// Arguments of `inkrig align`.
+#[derive(Debug, Args)]
+pub struct AlignArgs {
+    /// The clip to arrange: a BVH file with any skeleton
+    #[arg(value_hint = ValueHint::FilePath)]
+    pub clip: PathBuf,
+    /// The curve to follow: JSON, CSV or SVG
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub curve: PathBuf,
+    /// The file to write
+    #[arg(long, short, value_name = "OUT.bvh", value_hint = ValueHint::FilePath)]
+    pub out: PathBuf,
+    /// Use only a part of the clip: frames of the file or seconds
+    #[arg(long, value_name = "FROM..TO")]
+    pub range: Option<Span>,
+    /// Length of the result: frames of 30 a second, or seconds; else the curve's own
+    #[arg(long, value_name = "300|10s")]
+    pub length: Option<Length>,
+    /// Ignore the speed of drawing: move along the curve evenly
+    #[arg(long)]
+    pub uniform: bool,
+    /// Follow the drawing closely, or stay near to the clip's own poses
+    #[arg(long, value_enum, default_value_t = PresetArg::Follow)]
+    pub preset: PresetArg,
+    /// Frames a second of the result; else the clip's own
+    #[arg(long, value_name = "RATE")]
+    pub fps: Option<f64>,
+
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath, help_heading = "More results")]
+    pub report: Option<PathBuf>,
+    /// Write a page to look at: the curve beside the moving character
+    #[arg(long, value_name = "FILE.html", value_hint = ValueHint::FilePath, help_heading = "More results")]
+    pub preview: Option<PathBuf>,
+    /// Write a contact sheet of poses
+    #[arg(long, value_name = "FILE.png", value_hint = ValueHint::FilePath, help_heading = "More results")]
+    pub sheet: Option<PathBuf>,
+    /// Replace files that are there already
+    #[arg(long, help_heading = "More results")]
+    pub force: bool,
+
+    /// Weight of the drawing's structure against nearness to the clip, 0 to 1 [default: 0.9, natural: 0.7]
+    #[arg(long, help_heading = "Fine tuning")]
+    pub alpha: Option<f64>,
+    /// Weight of using the whole clip evenly [default: 0.05]
+    #[arg(long, help_heading = "Fine tuning")]
+    pub lambda: Option<f64>,
+    /// How many poses may be mixed into one; smaller is sharper [default: 0.005]
+    #[arg(long, help_heading = "Fine tuning")]
+    pub epsilon: Option<f64>,
+    /// Length of the pieces that are matched, seconds [default: 0.367]
+    #[arg(long, value_name = "SECONDS", help_heading = "Fine tuning")]
+    pub patch: Option<f64>,
+    /// Number of levels from coarse to fine [default: 6]
+    #[arg(long, help_heading = "Fine tuning")]
+    pub levels: Option<usize>,
+    /// How many times shorter the coarsest level is [default: 4]
+    #[arg(long, help_heading = "Fine tuning")]
+    pub ratio: Option<f64>,
+    /// Solver gradients of every round [default: 6]
+    #[arg(long, help_heading = "Fine tuning")]
+    pub iterations: Option<usize>,
+    /// Smoothing of the drawn curve, frames; 0 for none
+    #[arg(long, value_name = "FRAMES", default_value_t = 2.0, help_heading = "Fine tuning")]
+    pub smooth: f64,
+    /// Another seed finds another of the equally good solutions
+    #[arg(long, default_value_t = 0, help_heading = "Fine tuning")]
+    pub seed: u64,
+    /// Compare and carry travel along world axes, or relative to where the character is headed
+    #[arg(long, value_enum, help_heading = "Fine tuning")]
+    pub velocity: Option<VelocityArg>,
+    /// Compare rotations relative to the parent joint, or to the root
+    #[arg(long, value_enum, help_heading = "Fine tuning")]
+    pub rotations: Option<RotationArg>,
+    /// Threads to work with; the result does not depend on it [default: all cores]
+    #[arg(long, help_heading = "Fine tuning")]
+    pub threads: Option<usize>,
+
+    #[command(flatten)]
+    /// How to read the clip.
+    pub import: ImportArgs,
+}
+
+/// Presets of align.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PresetArg {
+    /// Structure first.
+    Follow,
+    /// The clip's own poses first.
+    Natural,
+}
+
+/// Frames in which travel is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum VelocityArg {
+    /// World axes.
+    World,
+    /// Where the character is headed.
+    Heading,
+}
+
+/// Spaces in which rotations are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum RotationArg {
+    /// The parent joint's.
+    Local,
+    /// The root's.
+    Root,
+}
+
+fn parse_unit(text: &str) -> Result<f64, String> {
+    let metres: f64 = text.parse().map_err(|_| format!("`{text}` is not a number of metres (try 0.01)"))?;
+    if metres.is_finite() && (1e-6..=1e6).contains(&metres) {
+        Ok(metres)
+    } else {
+        Err(format!("`{text}` metres is no usable unit (try 0.01 for centimetres)"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

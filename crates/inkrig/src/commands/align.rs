@@ -1,0 +1,186 @@
+//! `inkrig align`: a clip and a curve in, a clip that follows the curve out.
+
+use crate::cli::{AlignArgs, PresetArg, RotationArg, VelocityArg};
+use crate::console::Console;
+use crate::error::CliError;
+use crate::output::Output;
+use crate::{load, show};
+use inkrig_align::{Alignment, Control, CurveOptions, Options, Preset, align};
+use inkrig_formats::{ExportOptions, write_motion};
+use inkrig_motion::{RotationSpace, VelocityFrame, time};
+use inkrig_sketch::Timing;
+use serde::Serialize;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
+    let output = Output { force: args.force };
+    check_names(args, output)?;
+    let options = options(args);
+    let import = load::motion(&args.clip, &args.import)?;
+    import.findings.iter().for_each(|finding| console.say(format!("{}: {finding}", args.clip.display())));
+    let source = match args.range {
+        None => import.clip,
+        Some(span) => {
+            let range = span.frames(import.clip.frame_rate(), import.clip.frames());
+            time::trim(&import.clip, range)?
+        }
+    };
+    let curve = load::curve(&args.curve)?;
+    let control = Control::from_curve(
+        &curve,
+        &CurveOptions {
+            samples: args.length.map(|length| length.frames(options.matching_rate)),
+            rate: options.matching_rate,
+            smooth: args.smooth,
+            timing: args.uniform.then_some(Timing::ArcLength),
+        },
+    )?;
+    let alignment = {
+        let bar = console.bar("aligning");
+        align(&source, &control, &options, &mut |progress| bar.update(progress))?
+    };
+    let clip = match args.fps {
+        None => alignment.clip.clone(),
+        Some(rate) => time::resample(&alignment.clip, rate)?,
+    };
+
+    let written = write_motion(&clip, import.source.format, &ExportOptions::like(&import.source))?;
+    written.findings.iter().for_each(|finding| console.say(format!("{}: {finding}", args.out.display())));
+    output.write(&args.out, &written.bytes)?;
+    let record = Record::of(args, &options, &alignment);
+    if let Some(path) = &args.report {
+        output.write(path, serde_json::to_string_pretty(&record)?.as_bytes())?;
+    }
+    if let Some(path) = &args.preview {
+        let title = title(&args.clip, &args.curve);
+        output.write(path, show::page(&title, &alignment, &control).as_bytes())?;
+    }
+    if let Some(path) = &args.sheet {
+        output.write(path, &show::sheet(&alignment, &control)?)?;
+    }
+    console.say(show::summary(&alignment, &args.out));
+    for path in [&args.report, &args.preview, &args.sheet].into_iter().flatten() {
+        console.say(format!("wrote {}", path.display()));
+    }
+    console.result(&record)?;
+    Ok(())
+}
+
+/// Says before any work whether the results can be written, each to a file of its own.
+fn check_names(args: &AlignArgs, output: Output) -> Result<(), CliError> {
+    let inputs = [Some(&args.clip), Some(&args.curve)];
+    let results = [Some(&args.out), args.report.as_ref(), args.preview.as_ref(), args.sheet.as_ref()];
+    let mut seen = BTreeSet::new();
+    for path in inputs.into_iter().chain(results).flatten() {
+        let same = path.canonicalize().unwrap_or_else(|_| path.clone());
+        if !seen.insert(same) {
+            return Err(CliError::SameFile(path.clone()));
+        }
+    }
+    for path in results.into_iter().flatten() {
+        output.check(path)?;
+    }
+    if args.out.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("bvh")) {
+        return Err(CliError::Kind { path: args.out.clone(), known: "results are written as .bvh" });
+    }
+    Ok(())
+}
+
+fn options(args: &AlignArgs) -> Options {
+    let mut options = Options::preset(match args.preset {
+        PresetArg::Follow => Preset::Follow,
+        PresetArg::Natural => Preset::Natural,
+    });
+    let set = |slot: &mut f64, given: Option<f64>| *slot = given.unwrap_or(*slot);
+    set(&mut options.alpha, args.alpha);
+    set(&mut options.lambda, args.lambda);
+    set(&mut options.epsilon, args.epsilon);
+    set(&mut options.patch_seconds, args.patch);
+    set(&mut options.ratio, args.ratio);
+    let set = |slot: &mut usize, given: Option<usize>| *slot = given.unwrap_or(*slot);
+    set(&mut options.levels, args.levels);
+    set(&mut options.iterations, args.iterations);
+    set(&mut options.threads, args.threads);
+    options.seed = args.seed;
+    if let Some(velocity) = args.velocity {
+        let frame = match velocity {
+            VelocityArg::World => VelocityFrame::World,
+            VelocityArg::Heading => VelocityFrame::Heading,
+        };
+        options.features.velocity_frame = frame;
+        options.travel = frame;
+    }
+    if let Some(rotations) = args.rotations {
+        options.features.rotation_space = match rotations {
+            RotationArg::Local => RotationSpace::Local,
+            RotationArg::Root => RotationSpace::Root,
+        };
+    }
+    options
+}
+
+fn title(clip: &Path, curve: &Path) -> String {
+    let name =
+        |path: &Path| path.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    format!("{} follows {}", name(clip), name(curve))
+}
+
+/// The report file: the numbers first, flat, then what they came from.
+#[derive(Serialize)]
+struct Record<'a> {
+    #[serde(flatten)]
+    report: &'a inkrig_align::Report,
+    program: &'static str,
+    inputs: [&'a PathBuf; 2],
+    outputs: Vec<&'a PathBuf>,
+    parameters: Parameters,
+}
+
+#[derive(Serialize)]
+struct Parameters {
+    alpha: f64,
+    lambda: f64,
+    epsilon: f64,
+    patch_seconds: f64,
+    levels: usize,
+    ratio: f64,
+    rounds: usize,
+    iterations: usize,
+    first_iterations: usize,
+    polish: usize,
+    matching_rate: f64,
+    smooth: f64,
+    seed: u64,
+    rotations: String,
+    velocity: String,
+}
+
+impl<'a> Record<'a> {
+    fn of(args: &'a AlignArgs, options: &Options, alignment: &'a Alignment) -> Self {
+        let outputs = [Some(&args.out), args.report.as_ref(), args.preview.as_ref(), args.sheet.as_ref()];
+        Self {
+            report: &alignment.report,
+            program: concat!("inkrig ", env!("CARGO_PKG_VERSION")),
+            inputs: [&args.clip, &args.curve],
+            outputs: outputs.into_iter().flatten().collect(),
+            parameters: Parameters {
+                alpha: options.alpha,
+                lambda: options.lambda,
+                epsilon: options.epsilon,
+                patch_seconds: options.patch_seconds,
+                levels: options.levels,
+                ratio: options.ratio,
+                rounds: options.rounds,
+                iterations: options.iterations,
+                first_iterations: options.first_iterations,
+                polish: options.polish,
+                matching_rate: options.matching_rate,
+                smooth: args.smooth,
+                seed: options.seed,
+                rotations: format!("{:?}", options.features.rotation_space).to_lowercase(),
+                velocity: format!("{:?}", options.features.velocity_frame).to_lowercase(),
+            },
+        }
+    }
+}

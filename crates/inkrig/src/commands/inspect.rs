@@ -1,0 +1,144 @@
+//! `inkrig inspect`: what is in a motion file.
+
+use crate::cli::InspectArgs;
+use crate::console::Console;
+use crate::error::CliError;
+use crate::load;
+use inkrig_formats::{Evidence, Import, UpAxis};
+use inkrig_motion::{Clip, Skeleton, lead_in, root::RootMotion};
+use serde::Serialize;
+use std::fmt::Write;
+
+/// Joints that are drawn as a tree; a hostile file shall not flood the terminal.
+const MOST_JOINTS: usize = 400;
+
+pub(super) fn run(args: &InspectArgs, console: &Console) -> Result<(), CliError> {
+    let import = load::motion(&args.file, &args.import)?;
+    let facts = Facts::of(&import);
+    console.say(format!("{}\n{}", args.file.display(), facts.text()));
+    console.say(tree(import.clip.skeleton()));
+    console.result(&facts)?;
+    Ok(())
+}
+
+/// What is said of a file; the names are stable.
+#[derive(Serialize)]
+struct Facts {
+    format: &'static str,
+    joints: usize,
+    end_sites: usize,
+    roots: usize,
+    frames: usize,
+    frame_rate: f64,
+    seconds: f64,
+    metres_per_unit: f64,
+    unit_evidence: &'static str,
+    up: &'static str,
+    size_metres: f32,
+    travel_joint: String,
+    travel_metres: f32,
+    rest_pose_frames: usize,
+    findings: Vec<String>,
+    skeleton: Vec<JointFacts>,
+}
+
+#[derive(Serialize)]
+struct JointFacts {
+    name: String,
+    parent: Option<usize>,
+    offset_metres: [f32; 3],
+    end_site: bool,
+}
+
+impl Facts {
+    fn of(import: &Import) -> Self {
+        let (clip, skeleton) = (&import.clip, import.clip.skeleton());
+        let root = RootMotion::of(clip);
+        let travel: f32 = root.places.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+        Self {
+            format: import.source.format.name(),
+            joints: skeleton.len(),
+            end_sites: skeleton.joints().iter().filter(|joint| joint.end_site).count(),
+            roots: skeleton.roots().count(),
+            frames: clip.frames(),
+            frame_rate: clip.frame_rate(),
+            seconds: seconds(clip),
+            metres_per_unit: import.source.metres_per_unit,
+            unit_evidence: match import.source.unit_evidence {
+                Evidence::Declared => "declared in the file",
+                Evidence::Given => "given by you",
+                Evidence::Guessed => "a guess from the figure's size; --unit says otherwise",
+                Evidence::Assumed => "assumed",
+            },
+            up: match import.source.up {
+                UpAxis::Y => "y",
+                UpAxis::Z => "z",
+            },
+            size_metres: skeleton.extent(),
+            travel_joint: skeleton
+                .joints()
+                .get(root.joint)
+                .map(|joint| joint.name.clone())
+                .unwrap_or_default(),
+            travel_metres: travel,
+            rest_pose_frames: lead_in::rest_pose_frames(clip),
+            findings: import.findings.iter().map(ToString::to_string).collect(),
+            skeleton: (skeleton.joints().iter())
+                .map(|joint| JointFacts {
+                    name: joint.name.clone(),
+                    parent: joint.parent,
+                    offset_metres: joint.offset.to_array(),
+                    end_site: joint.end_site,
+                })
+                .collect(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        let mut line = |name: &str, value: String| {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "  {name:<12} {value}");
+        };
+        let roots = if self.roots == 1 { String::new() } else { format!(", {} roots", self.roots) };
+        line("format", self.format.to_string());
+        line("joints", format!("{} and {} end sites{roots}", self.joints - self.end_sites, self.end_sites));
+        line("frames", format!("{} at {:.3} a second, {:.2} s", self.frames, self.frame_rate, self.seconds));
+        line("unit", format!("{} m ({})", self.metres_per_unit, self.unit_evidence));
+        line("up", self.up.to_string());
+        line("size", format!("{:.2} m", self.size_metres));
+        line("travels", format!("{:.2} m, by joint `{}`", self.travel_metres, self.travel_joint));
+        if self.rest_pose_frames > 0 {
+            let count = self.rest_pose_frames;
+            line("rest pose", format!("the first {count} frame(s) are a T-pose; align leaves them out"));
+        }
+        if self.findings.is_empty() {
+            line("problems", "none".to_string());
+        }
+        for finding in &self.findings {
+            line("problem", finding.clone());
+        }
+        text.trim_end().to_string()
+    }
+}
+
+fn seconds(clip: &Clip) -> f64 {
+    clip.frames() as f64 / clip.frame_rate()
+}
+
+/// The joints as an indented tree.
+fn tree(skeleton: &Skeleton) -> String {
+    let mut text = String::from("skeleton");
+    for (joint, depth) in skeleton.joints().iter().zip(skeleton.depths()).take(MOST_JOINTS) {
+        let _ = write!(text, "\n  {:indent$}{}", "", printable(&joint.name), indent = 2 * depth.min(40));
+    }
+    if skeleton.len() > MOST_JOINTS {
+        let _ = write!(text, "\n  ... and {} more", skeleton.len() - MOST_JOINTS);
+    }
+    text
+}
+
+/// A name from a file without what could steer a terminal.
+fn printable(name: &str) -> String {
+    name.chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect()
+}

@@ -1,0 +1,29 @@
+//! One module a command: arguments in, files and words out.
+
+mod align;
+mod demo;
+mod inspect;
+
+use crate::cli::{Cli, Command};
+use crate::console::Console;
+use crate::error::CliError;
+use clap::CommandFactory;
+
+/// Does what the command line says.
+///
+/// # Errors
+/// Whatever stands in the way, with the file that it is about.
+pub fn run(cli: Cli) -> Result<(), CliError> {
+    let console = Console::new(cli.json, cli.quiet);
+    match cli.command {
+        Command::Align(args) => align::run(&args, &console),
+        Command::Demo(args) => demo::run(&args, &console),
+        Command::Inspect(args) => inspect::run(&args, &console),
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Cli::command(), "inkrig", &mut script);
+            crate::console::print(String::from_utf8_lossy(&script).trim_end());
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Files in: motion and drawings, with limits.
+
+use crate::cli::{ImportArgs, Up};
+use crate::error::CliError;
+use inkrig_formats::{Format, Import, ImportOptions, UpAxis, read_motion};
+use inkrig_sketch::{Curve, read_curve};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// Reads a motion file.
+///
+/// # Errors
+/// When it is not there, too large, of an unknown kind, or not understood.
+pub fn motion(path: &Path, args: &ImportArgs) -> Result<Import, CliError> {
+    let known = "known motion files: .bvh";
+    let format = extension(path)
+        .and_then(|extension| Format::from_extension(&extension))
+        .ok_or_else(|| CliError::Kind { path: path.to_path_buf(), known })?;
+    let options = ImportOptions {
+        metres_per_unit: args.unit,
+        up: args.up.map(|up| match up {
+            Up::Y => UpAxis::Y,
+            Up::Z => UpAxis::Z,
+        }),
+        frame_rate: args.source_fps,
+        ..ImportOptions::default()
+    };
+    let bytes = bytes(path, options.limits.bytes)?;
+    read_motion(&bytes, format, &options)
+        .map_err(|error| CliError::Format { path: path.to_path_buf(), source: Box::new(error) })
+}
+
+/// Reads a drawn curve.
+///
+/// # Errors
+/// When it is not there, too large, of an unknown kind, or not understood.
+pub fn curve(path: &Path) -> Result<Curve, CliError> {
+    let known = "known drawings: .json, .csv, .svg";
+    let format = inkrig_sketch::Format::from_path(path)
+        .ok_or_else(|| CliError::Kind { path: path.to_path_buf(), known })?;
+    let bytes = bytes(path, inkrig_sketch::limits::MAX_BYTES)?;
+    read_curve(&bytes, format).map_err(|source| CliError::Curve { path: path.to_path_buf(), source })
+}
+
+fn extension(path: &Path) -> Option<String> {
+    path.extension().and_then(|extension| extension.to_str()).map(str::to_lowercase)
+}
+
+/// The whole file, if it is no larger than `most`.
+fn bytes(path: &Path, most: usize) -> Result<Vec<u8>, CliError> {
+    let read = |source| CliError::Read { path: path.to_path_buf(), source };
+    let file = File::open(path).map_err(read)?;
+    let mut bytes = Vec::new();
+    // One more than allowed tells a file that is too large from one that just fits.
+    file.take(most as u64 + 1).read_to_end(&mut bytes).map_err(read)?;
+    if bytes.len() > most {
+        return Err(CliError::TooLarge { path: path.to_path_buf(), most });
+    }
+    Ok(bytes)
+}

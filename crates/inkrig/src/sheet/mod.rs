@@ -1,0 +1,85 @@
+//! A contact sheet: poses of a clip at equal times in one PNG, the way animators pin them to a wall.
+
+mod capsule;
+mod digits;
+mod layout;
+mod paint;
+mod view;
+
+use inkrig_motion::Clip;
+
+/// How the sheet looks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SheetOptions<'a> {
+    /// How many poses, 1 to 10 000. A clip with fewer frames shows each frame once.
+    pub poses: usize,
+    /// Cells in a row, 1 to 1000; no more than there are poses.
+    pub columns: usize,
+    /// Width and height of a cell in pixels, 48 to 4096.
+    pub cell: [u32; 2],
+    /// The camera's turn about the vertical from the front of the first pose, radians. Turned to the right (as seen
+    /// by the camera) when positive.
+    pub yaw: f32,
+    /// How far the camera looks down, radians, -1.5 to 1.5.
+    pub pitch: f32,
+    /// Light figures on a dark ground.
+    pub dark: bool,
+    /// The control curve over the time of the clip, x to the right, y up: drawn small in every cell with a dot
+    /// where the pose is.
+    pub markers: Option<&'a [[f64; 2]]>,
+}
+
+impl Default for SheetOptions<'_> {
+    /// 24 poses in 4 rows of 6, three-quarter view from a little above, light.
+    fn default() -> Self {
+        Self { poses: 24, columns: 6, cell: [240, 280], yaw: 0.6, pitch: 0.28, dark: false, markers: None }
+    }
+}
+
+/// Why a sheet cannot be drawn.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SheetError {
+    /// A number of [`SheetOptions`] outside of its range.
+    #[error("{what} of a contact sheet must be between {low} and {high}, not {got}")]
+    Option {
+        /// Which option.
+        what: &'static str,
+        /// Least value.
+        low: f64,
+        /// Largest value.
+        high: f64,
+        /// What was given.
+        got: f64,
+    },
+    /// The picture would be too large.
+    #[error(
+        "a contact sheet of {width} x {height} pixels is larger than the limit of {limit} pixels: \
+         ask for fewer poses or smaller cells"
+    )]
+    TooLarge {
+        /// Width in pixels.
+        width: u64,
+        /// Height in pixels.
+        height: u64,
+        /// The most pixels a sheet may have.
+        limit: u64,
+    },
+    /// The picture could not be written as PNG.
+    #[error("the contact sheet could not be written as PNG: {0}")]
+    Png(String),
+}
+
+/// Draws poses at equal times from the first frame to the last, and gives the bytes of a PNG. All poses have the
+/// same scale, and the camera follows the character. The same input gives the same bytes.
+///
+/// # Errors
+/// When an option is outside of its range, or the sheet would have more than [`MOST_PIXELS`] pixels.
+pub fn contact_sheet(clip: &Clip, options: &SheetOptions<'_>) -> Result<Vec<u8>, SheetError> {
+    let grid = layout::Grid::of(clip, options)?;
+    let scene = view::Scene::of(clip, &grid.times(clip), options);
+    paint::sheet(&scene, &grid, options)
+}
+
+/// The most pixels that a sheet may have: 134 MB while it is drawn.
+pub const MOST_PIXELS: u64 = 1 << 25;

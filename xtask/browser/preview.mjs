@@ -1,0 +1,176 @@
+// Opens a preview page and fails on anything a reader of the console would see, on a blank canvas, on a canvas that
+// stands still when played or scrubbed, and on any request that leaves the page's own file.
+//
+//   node preview.mjs MODULES CHROMIUM PAGE SCREENSHOTS
+//
+// MODULES is the folder that holds node_modules/playwright-core; SCREENSHOTS an existing folder.
+
+import { createRequire } from 'node:module';
+import { join, resolve } from 'node:path';
+import { pathToFileURL } from 'node:url';
+
+const [modules, chromium, page, screenshots] = process.argv.slice(2);
+if (!screenshots) {
+  console.error('usage: node preview.mjs MODULES CHROMIUM PAGE SCREENSHOTS');
+  process.exit(2);
+}
+if (Number(process.versions.node.split('.')[0]) < 20) {
+  console.error(`this check needs Node 20 or later; the package nodejs here is ${process.versions.node}`);
+  process.exit(1);
+}
+const { chromium: driver } = createRequire(join(resolve(modules), 'package.json'))('playwright-core');
+
+const SIZE = { width: 1440, height: 900 };
+// Long enough for some frames at 20 a second on a busy machine without a graphics card.
+const MOMENT = 600;
+const PATIENCE = 15_000;
+// The driver's own notes on reading pixels back: caused by our screenshots, and never seen by a user.
+const NOT_THE_PAGE = /GL Driver Message/;
+
+const address = pathToFileURL(resolve(page)).href;
+const browser = await driver.launch({
+  executablePath: chromium,
+  headless: true,
+  args: [
+    '--no-sandbox',
+    '--disable-quic',
+    '--no-first-run',
+    '--disable-background-networking',
+    '--disable-component-update',
+    '--disable-sync',
+    // Build servers have no graphics card; said outright, Chromium does not warn of it in the console.
+    '--use-angle=swiftshader',
+    '--enable-unsafe-swiftshader',
+  ],
+});
+
+const problems = [];
+try {
+  for (const scheme of ['light', 'dark']) {
+    const found = await check(scheme);
+    console.log(`${scheme}: ${found.length === 0 ? 'ok' : `problems found: ${found.length}`}`);
+    problems.push(...found.map((problem) => `${scheme}: ${problem}`));
+  }
+} finally {
+  await browser.close();
+}
+for (const problem of problems) console.error(problem);
+process.exitCode = problems.length === 0 ? 0 : 1;
+
+async function check(scheme) {
+  const found = [];
+  const context = await browser.newContext({ viewport: SIZE, colorScheme: scheme });
+  context.setDefaultTimeout(PATIENCE);
+  const tab = await context.newPage();
+  listen(tab, found);
+  try {
+    await tab.goto(address, { waitUntil: 'load' });
+    const canvas = await largestCanvas(tab);
+    if (!canvas) {
+      found.push('the page has no visible canvas');
+    } else {
+      await drive(tab, canvas, found);
+    }
+    const wide = await tab.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
+    if (wide > 0) found.push(`the page is ${wide} px wider than the window`);
+  } catch (error) {
+    found.push(`the check could not go on: ${error.message.split('\n')[0]}`);
+  }
+  await tab.screenshot({ path: join(screenshots, `preview-${scheme}.png`) });
+  await context.close();
+  return found;
+}
+
+function listen(tab, found) {
+  tab.on('console', (message) => {
+    const loud = message.type() === 'error' || message.type() === 'warning';
+    if (loud && !NOT_THE_PAGE.test(message.text())) found.push(`console ${message.type()}: ${message.text()}`);
+  });
+  tab.on('pageerror', (error) => found.push(`page error: ${error.message}`));
+  tab.on('crash', () => found.push('the page crashed'));
+  tab.on('request', (request) => {
+    const own = request.url().split('#')[0] === address || /^(data|blob):/.test(request.url());
+    if (!own) found.push(`request to ${request.url()}: a preview is one file`);
+  });
+}
+
+// Plays, pauses and scrubs, and looks at the canvas after each.
+async function drive(tab, canvas, found) {
+  if (!(await within(async () => !(await isBlank(tab, await canvas.screenshot()))))) found.push('the canvas is blank');
+
+  const play = tab.getByRole('button', { name: /play|pause/i }).first();
+  const hasPlay = (await play.count()) > 0;
+  if (!hasPlay) found.push('no button is named play or pause');
+
+  const startsPlaying = await moves(tab, canvas);
+  if (!startsPlaying && hasPlay) {
+    await play.click();
+    if (!(await within(() => moves(tab, canvas)))) found.push('the canvas stands still after play was pressed');
+  }
+  if (hasPlay) {
+    await play.click();
+    if (!(await within(async () => !(await moves(tab, canvas))))) found.push('the canvas still moves after pause');
+  }
+  await scrub(tab, canvas, found);
+}
+
+async function scrub(tab, canvas, found) {
+  const bar = tab.locator('input[type=range]:visible').first();
+  if ((await bar.count()) === 0) return void found.push('no time bar (input of type range)');
+  const shots = [];
+  for (const share of [0.1, 0.35, 0.6]) {
+    await bar.evaluate((input, share) => {
+      const [low, high] = [Number(input.min || 0), Number(input.max || 100)];
+      input.value = String(low + (high - low) * share);
+      for (const kind of ['input', 'change']) input.dispatchEvent(new Event(kind, { bubbles: true }));
+    }, share);
+    await tab.waitForTimeout(MOMENT / 2);
+    shots.push(await canvas.screenshot());
+  }
+  if (shots.every((shot) => shot.equals(shots[0]))) found.push('moving the time bar changes nothing on the canvas');
+}
+
+async function largestCanvas(tab) {
+  await tab.locator('canvas').first().waitFor({ state: 'visible' }).catch(() => {});
+  let best = null;
+  let bestArea = 0;
+  for (const canvas of await tab.locator('canvas').all()) {
+    const box = await canvas.boundingBox();
+    const area = box ? box.width * box.height : 0;
+    if (area > bestArea) [best, bestArea] = [canvas, area];
+  }
+  return best;
+}
+
+async function moves(tab, canvas) {
+  const before = await canvas.screenshot();
+  await tab.waitForTimeout(MOMENT);
+  return !before.equals(await canvas.screenshot());
+}
+
+// A picture is blank if it holds hardly anything but one colour. Decoded by the browser, in a tab of its own: that
+// keeps an image library out of the lock file, and our code out of the page under test.
+async function isBlank(tab, png) {
+  const scratch = await tab.context().newPage();
+  const share = await scratch.evaluate(async (base64) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${base64}`;
+    await image.decode();
+    const canvas = new OffscreenCanvas(image.width, image.height);
+    const surface = canvas.getContext('2d');
+    surface.drawImage(image, 0, 0);
+    const pixels = new Uint32Array(surface.getImageData(0, 0, image.width, image.height).data.buffer);
+    const counts = new Map();
+    for (const pixel of pixels) counts.set(pixel, (counts.get(pixel) ?? 0) + 1);
+    return Math.max(...counts.values()) / pixels.length;
+  }, png.toString('base64'));
+  await scratch.close();
+  return share > 0.9995;
+}
+
+async function within(condition) {
+  for (const end = Date.now() + PATIENCE / 3; Date.now() < end; ) {
+    if (await condition()) return true;
+  }
+  return false;
+}
