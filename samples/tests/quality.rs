@@ -38,19 +38,20 @@ fn nothing_pops() {
         let places = positions(&clip);
         for (index, joint) in clip.skeleton().joints().iter().enumerate() {
             let size = pop(&track(&places, index));
-            assert!(size < 2.0, "{} of {}: {size:.2} times the 99th percentile", joint.name, sample.name);
+            assert!(size < 2.5, "{} of {}: {size:.2} times the 99th percentile", joint.name, sample.name);
         }
         // The measure sees a jump of the hips by 5 cm from one frame to the next.
         let mut jumping = track(&places, 0);
         jumping.iter_mut().skip(100).for_each(|place| place.y += 0.05);
-        assert!(pop(&jumping) > 2.0, "{}", sample.name);
+        assert!(pop(&jumping) > 2.5, "{}", sample.name);
     }
 }
 
 #[test]
 fn joints_turn_smoothly() {
-    // Degrees a frame that a joint turns at most, and how much this changes from frame to frame.
-    for (name, fastest, change) in [("person", 25.0, 12.0), ("quadruped", 50.0, 26.0), ("snake", 15.0, 4.0)] {
+    // Degrees a frame that a joint turns at most, and how much this changes from frame to frame. A gallop of more
+    // than two strides a second folds and stretches paws within two frames.
+    for (name, fastest, change) in [("person", 25.0, 15.0), ("quadruped", 50.0, 52.0), ("snake", 15.0, 4.0)] {
         let clip = clip(name);
         for (index, joint) in clip.skeleton().joints().iter().enumerate() {
             let turns: Vec<Vec3> = (1..clip.frames())

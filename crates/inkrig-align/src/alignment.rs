@@ -13,9 +13,6 @@ use inkrig_motion::{Clip, Features, frame_features, lead_in, time};
 use inkrig_transport::{Isa, Mat, MatRef, Plan};
 use std::time::Instant;
 
-/// Share of the variance of frame features that matching has to see.
-const FEATURE_ENERGY: f64 = 0.995;
-
 /// Frames at the matching rate that the dense solver takes: about 1 GB of tables.
 pub const MOST_FRAMES: usize = 5000;
 
@@ -57,7 +54,7 @@ pub fn align(
 
     let features = frame_features(&matched, &options.features);
     let solving = Instant::now();
-    let reduced = pca::reduce(table(&features)?, FEATURE_ENERGY, options.threads)?;
+    let reduced = pca::reduce(table(&features)?, pca::FEATURE_ENERGY, options.threads)?;
     let mut buffers = Buffers::new(options.threads);
     let matching = solve(reduced.frames.view(), drawn.view(), options, &mut buffers, observer)?;
     let solve_seconds = solving.elapsed().as_secs_f64();

@@ -5,6 +5,9 @@
 
 use inkrig_transport::{Mat, MatRef, TransportError, matmul_transposed};
 
+/// Share of the variance of frame features that matching has to see.
+pub const FEATURE_ENERGY: f64 = 0.995;
+
 /// Frames in the coordinates of their principal subspace.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reduced {

@@ -5,7 +5,7 @@
     clippy::expect_used,
     clippy::panic,
     clippy::print_stdout,
-    reason = "counting what is allocated takes an allocator, which is unsafe by nature; helpers of a test may fail"
+    reason = "counting what is allocated takes an allocator, which is unsafe by nature; functions beside the tests may fail too"
 )]
 
 use inkrig_formats::{ImportOptions, read_bvh};

@@ -4,7 +4,7 @@
     clippy::expect_used,
     clippy::panic,
     clippy::print_stdout,
-    reason = "helpers of a test may fail, and the test prints its table"
+    reason = "functions beside the tests may fail too, and the test prints its table"
 )]
 
 mod common;

@@ -5,7 +5,7 @@
     clippy::panic,
     clippy::indexing_slicing,
     clippy::print_stdout,
-    reason = "helpers of a test may fail"
+    reason = "functions beside the tests may fail too"
 )]
 
 mod common;

@@ -1,7 +1,8 @@
 use std::sync::OnceLock;
 
-/// The instruction level the element-wise loops run at. Results are the same on every run at one level; between levels
-/// they differ in the last bits.
+/// The instruction level of the solvers and of [`row_softmax`](crate::row_softmax). Results are the same on every run at one
+/// level; between levels they may differ in the last bits. [`matmul`](crate::matmul) and its like are the `gemm` crate's,
+/// which always takes the processor's best.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Isa {
     /// What every processor of the target has.

@@ -42,6 +42,19 @@ pub fn sink(root: DVec3, target: DVec3, reach: f64) -> f64 {
     if height > 0.0 { (-line.y - height).max(0.0) } else { 0.0 }
 }
 
+/// Draws `target` nearer to `root` so that a limb of full length `length` never snaps straight: distances above
+/// `from` of the length are squeezed into the next tenth. `amount` 0..=1 is how much of this is done.
+pub fn relax(root: DVec3, target: DVec3, length: f64, from: f64, amount: f64) -> DVec3 {
+    const ROOM: f64 = 0.1;
+    let line = target - root;
+    let reach = line.length() / length;
+    if reach <= from {
+        return target;
+    }
+    let squeezed = from + ROOM * ((reach - from) / ROOM).tanh();
+    root + line * (1.0 + amount * (squeezed / reach - 1.0))
+}
+
 /// The rotation that lays -y along `along` and keeps +x as near to `side` as it can.
 pub fn hang(along: DVec3, side: DVec3) -> DQuat {
     let y = -along;
@@ -73,6 +86,15 @@ mod tests {
         let lower = root - DVec3::Y * sink(root, target, 0.8);
         assert!((lower.distance(target) - 0.8).abs() < 1e-12);
         assert_eq!(sink(root, target, 1.0), 0.0);
+    }
+
+    #[test]
+    fn a_relaxed_limb_stays_below_its_length() {
+        let far = relax(DVec3::ZERO, DVec3::new(0.0, -2.0, 0.0), 1.0, 0.85, 1.0);
+        assert!(far.length() < 0.951);
+        let (near, kept) = (DVec3::new(0.0, -0.8, 0.0), DVec3::new(0.0, -0.9, 0.0));
+        assert_eq!(relax(DVec3::ZERO, near, 1.0, 0.85, 1.0), near);
+        assert_eq!(relax(DVec3::ZERO, kept, 1.0, 0.85, 0.0), kept);
     }
 
     #[test]

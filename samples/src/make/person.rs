@@ -151,7 +151,7 @@ impl Body {
     /// Finds the height of the hips: what the acting wants, as far as both legs reach the ground.
     fn raise(&mut self) {
         /// How far a leg stretches at most, of its full length.
-        const REACH: f64 = 0.986;
+        const REACH: f64 = 0.98;
         const SOFT: f64 = 0.01;
         let wanted: Vec<f64> = self.acting.iter().map(|acting| STANDING - acting.crouch).collect();
         let heights: Vec<f64> = (gaussian(&wanted, 1.5).into_iter().enumerate())

@@ -31,9 +31,9 @@ impl Hierarchy {
 
     /// The joint and the channel that a value of a row belongs to.
     pub(super) fn owner(&self, value: usize) -> Option<(&RawJoint, Channel)> {
-        let all =
+        let mut all =
             self.joints.iter().flat_map(|joint| joint.channels.iter().map(move |&channel| (joint, channel)));
-        all.into_iter().nth(value)
+        all.nth(value)
     }
 
     /// What there is to say about names.

@@ -5,6 +5,7 @@ pub(crate) mod body;
 mod digest;
 mod encode;
 mod payload;
+pub(crate) mod sides;
 pub(crate) mod track;
 
 use inkrig_motion::Clip;
@@ -71,12 +72,14 @@ pub struct Figure {
 pub fn render(preview: &Preview<'_>) -> String {
     // Strings, numbers and lists always serialise; an empty page would say what is wrong.
     let data = encode::json_for_html(&payload::Payload::of(preview)).unwrap_or_else(|_| "null".into());
+    // A browser hashes what it has read, with line ends made one; a checkout may have given the files others.
+    let (style, script) = (STYLE.replace("\r\n", "\n"), SCRIPT.replace("\r\n", "\n"));
     fill(&[
-        ("{{script-hash}}", &digest::policy_hash(SCRIPT)),
-        ("{{style-hash}}", &digest::policy_hash(STYLE)),
-        ("{{style}}", STYLE),
+        ("{{script-hash}}", &digest::policy_hash(&script)),
+        ("{{style-hash}}", &digest::policy_hash(&style)),
+        ("{{style}}", &style),
         ("{{data}}", &data),
-        ("{{script}}", SCRIPT),
+        ("{{script}}", &script),
     ])
 }
 

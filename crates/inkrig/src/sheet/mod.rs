@@ -1,6 +1,7 @@
 //! A contact sheet: poses of a clip at equal times in one PNG, the way animators pin them to a wall.
 
 mod capsule;
+mod colours;
 mod digits;
 mod layout;
 mod paint;

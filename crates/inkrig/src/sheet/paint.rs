@@ -3,18 +3,16 @@
 use super::{
     SheetError, SheetOptions,
     capsule::{add_capsule, band, capsule},
+    colours::{Colours, DARK, LIGHT, Rgb, colour, mix, plain},
     digits,
     layout::Grid,
     view::{Scene, View},
 };
-use crate::preview::{
-    body::{Limb, Side},
-    normalised,
-};
+use crate::preview::{body::Limb, normalised, sides::Side};
 use inkrig_motion::glam::{Vec2, Vec3};
 use tiny_skia::{
-    Color, FillRule, GradientStop, LineCap, LineJoin, LinearGradient, Paint, Path, PathBuilder, Pixmap,
-    Point, Rect, SpreadMode, Stroke, Transform,
+    FillRule, GradientStop, LineCap, LineJoin, LinearGradient, Paint, Path, PathBuilder, Pixmap, Point, Rect,
+    SpreadMode, Stroke, Transform,
 };
 
 /// Draws all cells and writes the PNG.
@@ -240,62 +238,4 @@ impl Cell<'_> {
             self.pixels.stroke_path(&path, &plain(ink, 1.0), &stroke, Transform::identity(), None);
         }
     }
-}
-
-/// sRGB.
-type Rgb = [u8; 3];
-
-struct Colours {
-    page: Rgb,
-    card: Rgb,
-    line: Rgb,
-    shadow: Rgb,
-    ink: Rgb,
-    dot: Rgb,
-    left: Rgb,
-    right: Rgb,
-    middle: Rgb,
-}
-
-/// Blue is left and red is right, as on an animator's controls.
-const LIGHT: Colours = Colours {
-    page: [236, 238, 241],
-    card: [252, 252, 253],
-    line: [205, 209, 216],
-    shadow: [231, 233, 237],
-    ink: [82, 88, 99],
-    dot: [214, 72, 60],
-    left: [66, 122, 208],
-    right: [214, 92, 70],
-    middle: [128, 136, 150],
-};
-
-const DARK: Colours = Colours {
-    page: [15, 17, 21],
-    card: [26, 29, 35],
-    line: [62, 67, 78],
-    shadow: [18, 20, 25],
-    ink: [168, 175, 187],
-    dot: [255, 118, 100],
-    left: [92, 148, 235],
-    right: [236, 118, 94],
-    middle: [156, 164, 178],
-};
-
-fn mix(from: Rgb, to: Rgb, part: f32) -> Rgb {
-    let mixed =
-        |index: usize| f32::from(from[index]) + (f32::from(to[index]) - f32::from(from[index])) * part;
-    [mixed(0) as u8, mixed(1) as u8, mixed(2) as u8]
-}
-
-fn colour(rgb: Rgb, alpha: f32) -> Color {
-    let mut colour = Color::from_rgba8(rgb[0], rgb[1], rgb[2], 255);
-    colour.set_alpha(alpha);
-    colour
-}
-
-fn plain(rgb: Rgb, alpha: f32) -> Paint<'static> {
-    let mut paint = Paint { anti_alias: true, ..Paint::default() };
-    paint.set_color(colour(rgb, alpha));
-    paint
 }

@@ -163,7 +163,8 @@ fn over_heel(plant: Plant, pitch: f64) -> DVec3 {
 
 fn swing(from: Plant, to: Plant, part: f64, pitch: f64) -> Foot {
     // A walking foot is quick off the ground; one that steps aside is set down softly.
-    let ease = if to.style.land_pitch < 0.0 { smooth_step(part) } else { min_jerk(part) };
+    let ease =
+        if to.style.land_pitch < 0.0 { 0.5 * (smooth_step(part) + min_jerk(part)) } else { min_jerk(part) };
     let landing = if to.style.land_pitch < 0.0 { over_heel(to, pitch) } else { to.ball };
     let ball = from.ball.lerp(landing, ease) + DVec3::Y * to.style.clearance * bump(part);
     let yaw = from.yaw + ease * (to.yaw - from.yaw);

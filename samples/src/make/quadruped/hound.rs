@@ -3,7 +3,7 @@
 use super::{
     super::{
         figure::{Pose, Rig},
-        limb_ik::{hang, sink, two_bone},
+        limb_ik::{hang, relax, sink, two_bone},
     },
     paws::Paw,
 };
@@ -27,11 +27,13 @@ const FEMUR: f64 = 0.29;
 const TIBIA: f64 = 0.31;
 const METATARSUS: f64 = 0.21;
 const BLADE: f64 = 0.2;
-const HUMERUS: f64 = 0.235;
-const RADIUS: f64 = 0.33;
+const HUMERUS: f64 = 0.222;
+const RADIUS: f64 = 0.312;
 const METACARPUS: f64 = 0.15;
 /// How far a leg stretches, of its full length.
-const STRETCH: f64 = 0.985;
+const STRETCH: f64 = 0.97;
+/// The same in the air, where a leg has no reason to be straight.
+const RELAXED: f64 = 0.84;
 const SIDES: [&str; 2] = ["Left", "Right"];
 
 /// 32 joints and 8 tips, 1.7 m from nose to tail, facing +z, every leg straight down: the legs' own angles come from
@@ -101,12 +103,13 @@ pub(crate) fn leg(pose: &mut Pose<'_>, leg: usize, paw: &Paw, bow: f64) -> f64 {
 fn hind(pose: &mut Pose<'_>, [femur, tibia, foot, toe]: [usize; 4], paw: &Paw) -> f64 {
     let forward = paw.forward();
     let hip = pose.world(femur).0;
-    let limb = two_bone(hip, paw.place, (FEMUR + METATARSUS, TIBIA), forward);
+    let target = relax(hip, paw.place, FEMUR + METATARSUS + TIBIA, RELAXED, paw.air);
+    let limb = two_bone(hip, target, (FEMUR + METATARSUS, TIBIA), forward);
     pose.set_world(femur, limb.upper);
     pose.set_world(tibia, limb.lower);
     pose.set_world(foot, limb.upper);
     pose.set_world(toe, paw.rotation());
-    sink(hip, paw.place, STRETCH * (FEMUR + METATARSUS + TIBIA))
+    sink(hip, target, STRETCH * (FEMUR + METATARSUS + TIBIA))
 }
 
 fn fore(
@@ -127,10 +130,10 @@ fn fore(
     let down = chest * DVec3::NEG_Y;
     pose.set_world(blade, hang((down * lean.cos() + chest_forward * lean.sin()).normalize(), side));
     // The pastern leans with the leg while it stands and folds back in the air.
-    let tilt = 0.55 * swung + 0.1 - 1.35 * paw.fold + 0.5 * bow;
+    let tilt = 0.55 * swung + 0.1 - 1.2 * paw.fold + 0.5 * bow;
     let pastern = (DVec3::NEG_Y * tilt.cos() + forward * tilt.sin()).normalize();
-    let wrist = paw.place - pastern * METACARPUS;
     let shoulder = pose.world(humerus).0;
+    let wrist = relax(shoulder, paw.place - pastern * METACARPUS, HUMERUS + RADIUS, RELAXED, paw.air);
     let limb = two_bone(shoulder, wrist, (HUMERUS, RADIUS), -forward);
     // Elbows point backward: the hinge is the same, bent the other way.
     let half_turn = DQuat::from_rotation_y(std::f64::consts::PI);

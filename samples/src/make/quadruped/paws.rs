@@ -29,6 +29,8 @@ pub(crate) struct Paw {
     pitch: f64,
     /// How far the leg folds, 0 on the ground, 1 in the middle of a high swing.
     pub(crate) fold: f64,
+    /// 0 on the ground and at its touch, 1 in the air.
+    pub(crate) air: f64,
 }
 
 impl Paw {
@@ -103,9 +105,6 @@ impl Paths {
     }
 }
 
-/// How far the body goes at most while a paw stands, metres.
-const LONGEST_STANCE: f64 = 0.6;
-
 /// A paw on the ground.
 #[derive(Debug, Clone, Copy)]
 struct Plant {
@@ -137,9 +136,10 @@ fn plants(gait: &Gait, paths: &Paths, leg: usize) -> Vec<Plant> {
     let stagger = [0.035, -0.035, -0.03, 0.02][leg];
     let mut plants: Vec<Plant> = (gait.stances(leg).into_iter())
         .map(|mut stance| {
-            // While the gait changes a stance could outlast the leg's reach: then the foot leaves early.
+            // A stance that would outlast the leg's reach ends early. How far the body goes meanwhile, metres:
             if stance.land > 0.0 {
-                stance.lift = stance.lift.min(paths.time_after(stance.land, LONGEST_STANCE));
+                let longest = 0.6 - 0.15 * part(gait.speed(stance.land), 1.0, 2.0);
+                stance.lift = stance.lift.min(paths.time_after(stance.land, longest));
             }
             // A foot stands where the body passes over it in the middle of the stance.
             let middle =
@@ -178,14 +178,15 @@ fn paw(plants: &[Plant], time: f64) -> Paw {
             let part = part(time, from.stance.lift, to.stance.land);
             let ease = smooth_step(part);
             // The paw leaves quickly and comes down slowly: its highest point is early.
-            let height = bump(part.powf(0.85));
+            let height = bump(part * (1.18 - 0.18 * part));
             let fold = height * (to.rise / 0.15).min(1.2);
             let place = from.place.lerp(to.place, ease) + DVec3::Y * to.rise * height;
             let heading = from.heading + ease * (to.heading - from.heading);
             // Toes hang on the way up and reach for the ground on the way down.
             let pitch = fold * (1.5 - 1.3 * part);
-            Paw { place, heading, pitch, fold }
+            let air = smooth_step(5.0 * part.min(1.0 - part));
+            Paw { place, heading, pitch, fold, air }
         }
-        _ => Paw { place: from.place, heading: from.heading, pitch: 0.0, fold: 0.0 },
+        _ => Paw { place: from.place, heading: from.heading, pitch: 0.0, fold: 0.0, air: 0.0 },
     }
 }
