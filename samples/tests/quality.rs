@@ -1,6 +1,8 @@
 //! What a viewer would see in the stored motions: pops, limbs that bend the wrong way, feet in the ground, and
 //! whether there is small and large motion for a growing curve to choose from.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use inkrig_formats::{ImportOptions, read_bvh};
 use inkrig_motion::{
     Clip,
@@ -149,6 +151,7 @@ fn the_person_has_small_and_large_motion() {
         (0..23).map(|second| energy(&places, &all, second as f32..second as f32 + 1.0)).collect();
     energies.sort_unstable_by(f32::total_cmp);
     let ratio = energies[energies.len() * 9 / 10] / energies[energies.len() / 10];
+    println!("energy of seconds: the 90th percentile is {ratio:.1} times the 10th");
     assert!(ratio > 3.0, "the 90th percentile is {ratio:.1} times the 10th: {energies:?}");
     // Within each kind of motion as well: first steps and largest steps, first and last waves, first and last sways.
     for (what, names, small, large) in [
@@ -159,6 +162,7 @@ fn the_person_has_small_and_large_motion() {
     ] {
         let joints = names.map(|name| joint(&clip, name));
         let ratio = energy(&places, &joints, large) / energy(&places, &joints, small);
+        println!("the largest {what} have {ratio:.1} times the energy of the smallest");
         assert!(ratio > 1.8, "the largest {what} have {ratio:.2} times the energy of the smallest");
     }
 }
@@ -182,5 +186,6 @@ fn the_snake_does_not_slide_sideways() {
         }
     }
     let share = (across / along).sqrt();
+    println!("{share:.3} of the snake's speed goes sideways");
     assert!(share < 0.1, "{share:.3} of the speed goes sideways");
 }

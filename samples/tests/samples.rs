@@ -1,5 +1,7 @@
 //! The stored samples: they are what the code makes, and they read cleanly.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use inkrig_formats::{Import, ImportOptions, Severity, read_bvh};
 use inkrig_motion::{glam::Quat, kinematics};
 use inkrig_samples::{Sample, curves, find, make, motions};

@@ -1,17 +1,17 @@
-// Opens a preview page and fails on anything a reader of the console would see, on a blank canvas, on a canvas that
-// stands still when played or scrubbed, and on any request that leaves the page's own file.
+// Opens preview pages and fails on anything a reader of the console would see, on a blank canvas, on a canvas that
+// stands still when played or scrubbed, and on any request that leaves a page's own file.
 //
-//   node preview.mjs MODULES CHROMIUM PAGE SCREENSHOTS
+//   node preview.mjs MODULES CHROMIUM SCREENSHOTS PAGE...
 //
 // MODULES is the folder that holds node_modules/playwright-core; SCREENSHOTS an existing folder.
 
 import { createRequire } from 'node:module';
-import { join, resolve } from 'node:path';
+import { basename, join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
-const [modules, chromium, page, screenshots] = process.argv.slice(2);
-if (!screenshots) {
-  console.error('usage: node preview.mjs MODULES CHROMIUM PAGE SCREENSHOTS');
+const [modules, chromium, screenshots, ...pages] = process.argv.slice(2);
+if (pages.length === 0) {
+  console.error('usage: node preview.mjs MODULES CHROMIUM SCREENSHOTS PAGE...');
   process.exit(2);
 }
 if (Number(process.versions.node.split('.')[0]) < 20) {
@@ -27,7 +27,6 @@ const PATIENCE = 15_000;
 // The driver's own notes on reading pixels back: caused by our screenshots, and never seen by a user.
 const NOT_THE_PAGE = /GL Driver Message/;
 
-const address = pathToFileURL(resolve(page)).href;
 const browser = await driver.launch({
   executablePath: chromium,
   headless: true,
@@ -46,10 +45,13 @@ const browser = await driver.launch({
 
 const problems = [];
 try {
-  for (const scheme of ['light', 'dark']) {
-    const found = await check(scheme);
-    console.log(`${scheme}: ${found.length === 0 ? 'ok' : `problems found: ${found.length}`}`);
-    problems.push(...found.map((problem) => `${scheme}: ${problem}`));
+  for (const page of pages) {
+    for (const scheme of ['light', 'dark']) {
+      const name = `${basename(page, '.html')}-${scheme}`;
+      const found = await check(pathToFileURL(resolve(page)).href, scheme, join(screenshots, `${name}.png`));
+      console.log(`${name}: ${found.length === 0 ? 'ok' : `problems found: ${found.length}`}`);
+      problems.push(...found.map((problem) => `${name}: ${problem}`));
+    }
   }
 } finally {
   await browser.close();
@@ -57,12 +59,12 @@ try {
 for (const problem of problems) console.error(problem);
 process.exitCode = problems.length === 0 ? 0 : 1;
 
-async function check(scheme) {
+async function check(address, scheme, picture) {
   const found = [];
   const context = await browser.newContext({ viewport: SIZE, colorScheme: scheme });
   context.setDefaultTimeout(PATIENCE);
   const tab = await context.newPage();
-  listen(tab, found);
+  listen(tab, address, found);
   try {
     await tab.goto(address, { waitUntil: 'load' });
     const canvas = await largestCanvas(tab);
@@ -76,12 +78,12 @@ async function check(scheme) {
   } catch (error) {
     found.push(`the check could not go on: ${error.message.split('\n')[0]}`);
   }
-  await tab.screenshot({ path: join(screenshots, `preview-${scheme}.png`) });
+  await tab.screenshot({ path: picture });
   await context.close();
   return found;
 }
 
-function listen(tab, found) {
+function listen(tab, address, found) {
   tab.on('console', (message) => {
     const loud = message.type() === 'error' || message.type() === 'warning';
     if (loud && !NOT_THE_PAGE.test(message.text())) found.push(`console ${message.type()}: ${message.text()}`);

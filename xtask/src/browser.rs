@@ -1,4 +1,4 @@
-//! Opens the demo's preview page in a headless Chromium, driven from Node by a pinned playwright-core.
+//! Opens the demo's preview pages in a headless Chromium, driven from Node by a pinned playwright-core.
 
 use std::env;
 use std::fs;
@@ -50,7 +50,7 @@ pub(crate) fn check(context: &Context) -> Result<Verdict> {
     demo::empty(&screenshots)?;
     let mut command = Command::new(&tools.node);
     command.arg(context.root.join("xtask/browser/preview.mjs"));
-    command.arg(&tools.modules).arg(&tools.chromium).arg(demo::preview(&target)?).arg(&screenshots);
+    command.arg(&tools.modules).arg(&tools.chromium).arg(&screenshots).args(demo::previews(&target)?);
     process::run(&mut command)?;
     Ok(Verdict::Passed)
 }

@@ -34,16 +34,17 @@ pub(crate) fn check(context: &Context) -> Result<()> {
     }
 }
 
-/// The preview page of the demo that [`check`] ran.
+/// The preview pages of the demo that [`check`] ran.
 ///
 /// # Errors
-/// When the demo has not run.
-pub(crate) fn preview(target: &Path) -> Result<PathBuf> {
-    let files = files_below(&folder(target)).unwrap_or_default();
-    files
-        .into_iter()
-        .find(|file| has_ending(file, "html"))
-        .context("no preview page: the demo did not write one")
+/// When the demo has not run or left none.
+pub(crate) fn previews(target: &Path) -> Result<Vec<PathBuf>> {
+    let mut files = files_below(&folder(target))?;
+    files.retain(|file| has_ending(file, "html"));
+    if files.is_empty() {
+        bail!("the demo wrote no preview page");
+    }
+    Ok(files)
 }
 
 /// Makes a folder anew.
@@ -82,15 +83,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_preview_is_found_in_a_folder_below() {
+    fn every_preview_is_found_also_in_a_folder_below() {
         let target = tempfile::tempdir().unwrap();
-        assert!(preview(target.path()).is_err());
-        let inner = target.path().join("demo/walk");
+        assert!(previews(target.path()).is_err());
+        let (outer, inner) = (target.path().join("demo"), target.path().join("demo/walk"));
         empty(&inner).unwrap();
-        fs::write(inner.join("walk.bvh"), "x").unwrap();
-        fs::write(inner.join("preview.html"), "x").unwrap();
-        assert_eq!(preview(target.path()).unwrap(), inner.join("preview.html"));
-        empty(&inner).unwrap();
-        assert!(preview(target.path()).is_err());
+        for file in [outer.join("b.html"), inner.join("a.html"), inner.join("a.bvh")] {
+            fs::write(file, "x").unwrap();
+        }
+        assert_eq!(previews(target.path()).unwrap(), [outer.join("b.html"), inner.join("a.html")]);
+        empty(&outer).unwrap();
+        assert!(previews(target.path()).is_err());
     }
 }

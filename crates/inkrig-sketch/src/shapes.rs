@@ -23,12 +23,16 @@ pub fn growing_circles(turns: usize, samples: usize) -> Result<Curve, SketchErro
     })
 }
 
-/// A figure of eight lying on its side: the Lissajous curve (sin a, sin 2a / 2), closed.
+/// A figure of eight lying on its side, drawn `laps` times over: the Lissajous curve (sin a, sin 2a / 2), closed.
 ///
 /// # Errors
-/// Fewer than two samples, or more than [`MAX_POINTS`].
-pub fn figure_of_eight(samples: usize) -> Result<Curve, SketchError> {
-    trace(samples, |u| [(TAU * u).sin(), 0.5 * (2.0 * TAU * u).sin()])
+/// No lap, fewer than two samples, or more than [`MAX_POINTS`].
+pub fn figure_of_eight(laps: usize, samples: usize) -> Result<Curve, SketchError> {
+    positive(laps, "at least one lap is needed")?;
+    trace(samples, |u| {
+        let a = TAU * laps as f64 * u;
+        [a.sin(), 0.5 * (2.0 * a).sin()]
+    })
 }
 
 /// A sine wave of `periods` periods along x from -1 to 1, 0.5 high to each side.
@@ -128,7 +132,7 @@ mod tests {
 
     #[test]
     fn loops_close_and_lines_do_not() {
-        for curve in [figure_of_eight(100), heart(100), star(5, 101), star(2, 9)] {
+        for curve in [figure_of_eight(1, 100), heart(100), star(5, 101), star(2, 9)] {
             let curve = curve.unwrap();
             assert!(curve.is_closed());
             assert_eq!(curve.points().first(), curve.points().last());
@@ -149,7 +153,7 @@ mod tests {
         assert_eq!(star.points()[0], [0.0, 1.0]);
         let tips = star.points().iter().filter(|p| p[0].hypot(p[1]) > 0.99).count();
         assert_eq!(tips, 6, "five, the first drawn twice");
-        let eight = figure_of_eight(5).unwrap();
+        let eight = figure_of_eight(1, 5).unwrap();
         assert_eq!(eight.points()[2], [0.0, 0.0], "the middle is crossed");
     }
 

@@ -12,7 +12,7 @@ const SAMPLES: usize = 300;
 pub fn files() -> Result<Vec<(&'static str, String)>, SketchError> {
     Ok(vec![
         ("spiral.json", to_json(&shapes::growing_circles(5, SAMPLES)?)),
-        ("eight.csv", to_csv(&shapes::figure_of_eight(SAMPLES)?)),
+        ("eight.csv", to_csv(&shapes::figure_of_eight(1, SAMPLES)?)),
         ("wave.svg", to_svg(&growing(&shapes::wave(6, 240)?)?)),
         ("heart.json", to_json(&drawn(&shapes::heart(180)?)?)),
     ])

@@ -3,21 +3,22 @@
 //! The footsteps come first. Where the hips are follows from where the feet are, how the trunk and the arms swing
 //! follows from how far the feet are apart, and the script's acting is laid over it.
 
+mod acting;
 mod footsteps;
+mod limbs;
 mod script;
 
 use super::{
     ease::{gaussian, lag, lowest},
     figure::{FRAME_RATE, Pose, Rig, ahead, left_of, turn},
-    limb_ik::two_bone,
 };
+use acting::Acting;
 use footsteps::{BALL, BALL_HEIGHT, Foot};
 use inkrig_motion::{
     Clip, MotionError,
     glam::{DQuat, DVec3},
 };
-use script::{Acting, Arm, Script};
-use std::f64::consts::FRAC_PI_2;
+use script::Script;
 
 const THIGH: f64 = 0.42;
 const SHANK: f64 = 0.41;
@@ -137,9 +138,9 @@ impl Body {
 
     /// Moves the hips over the foot that carries, ahead with the speed of a walk, and where the acting wants them.
     fn shift(&mut self, apart: &[f64]) {
-        for frame in 0..self.frames() {
+        for (frame, apart) in apart.iter().enumerate() {
             let acting = &self.acting[frame];
-            let carried = 0.5 * apart[frame] * self.weight[frame] * (0.62 - 0.12 * self.speed[frame]);
+            let carried = 0.5 * apart * self.weight[frame] * (0.62 - 0.12 * self.speed[frame]);
             let (left, front) = (left_of(self.heading[frame]), ahead(self.heading[frame]));
             let moved =
                 left * (carried + acting.sway[0]) + front * (acting.sway[1] + 0.036 * self.speed[frame]);
@@ -225,61 +226,6 @@ impl Body {
         }
         pose
     }
-
-    fn arm(&self, pose: &mut Pose<'_>, side: usize, frame: usize) {
-        let sign = if side == 0 { 1.0 } else { -1.0 };
-        let (keep, acted) = self.acting[frame].arms[side];
-        let swing = -sign * 0.62 * self.lead_late[frame];
-        let speed = self.speed[frame].min(1.6);
-        let front = 0.5 * (swing + (swing * swing + 0.01).sqrt());
-        let idle = Arm {
-            flex: 0.07 + swing + 0.05 * front,
-            abduct: 0.17 + 0.02 * speed - 0.9 * self.bounce[frame],
-            twist: -0.12 - 0.1 * front,
-            elbow: 0.17 + 0.1 * speed + 0.5 * front - 1.2 * self.bounce[frame],
-            pronate: 0.25,
-            wrist: [0.0, 0.12 - 0.15 * swing],
-        };
-        let arm = idle.mix(acted, 1.0 - keep);
-        let hang = DQuat::from_rotation_z(-sign * FRAC_PI_2);
-        let raised = 0.5 * (arm.abduct - 0.7 + ((arm.abduct - 0.7).powi(2) + 0.05).sqrt());
-        let shoulder = turn(-0.12 * sign * arm.flex, 0.0, sign * (0.3 * raised - 0.03));
-        let upper = DQuat::from_rotation_z(sign * (arm.abduct - 0.3 * raised))
-            * DQuat::from_rotation_x(-arm.flex)
-            * DQuat::from_rotation_y(sign * arm.twist);
-        let lower = DQuat::from_rotation_x(-arm.elbow) * DQuat::from_rotation_y(-sign * arm.pronate);
-        let hand = DQuat::from_rotation_x(-arm.wrist[0]) * DQuat::from_rotation_z(-sign * arm.wrist[1]);
-        let parts = [
-            ("Shoulder", shoulder),
-            ("Arm", upper * hang),
-            ("ForeArm", hang.inverse() * lower * hang),
-            ("Hand", hang.inverse() * hand * hang),
-        ];
-        for (part, rotation) in parts {
-            if let Some(joint) = find(pose, side, part) {
-                pose.local[joint] = rotation.normalize();
-            }
-        }
-    }
-
-    fn leg(&self, pose: &mut Pose<'_>, side: usize, frame: usize) {
-        let names = ["UpLeg", "Leg", "Foot", "Toe"].map(|part| find(pose, side, part));
-        let [Some(thigh), Some(shank), Some(foot), Some(toe)] = names else { return };
-        let sign = if side == 0 { 1.0 } else { -1.0 };
-        let stand = &self.feet[side][frame];
-        // Knees point between hips and toes, and outward in a crouch.
-        let outward = 0.03 + 0.9 * self.acting[frame].crouch.max(0.0);
-        let yaw = 0.5 * (stand.yaw + self.heading[frame]) + sign * outward;
-        let limb = two_bone(pose.world(thigh).0, stand.ankle, (THIGH, SHANK), ahead(yaw));
-        pose.set_world(thigh, limb.upper);
-        pose.set_world(shank, limb.lower);
-        pose.set_world(foot, stand.rotation);
-        pose.local[toe] = DQuat::from_rotation_x(stand.toe);
-    }
-}
-
-fn find(pose: &Pose<'_>, side: usize, part: &str) -> Option<usize> {
-    pose.rig().find(&format!("{}{part}", SIDES[side]))
 }
 
 fn mirrored(point: DVec3, side: usize) -> DVec3 {
@@ -307,6 +253,7 @@ fn rates(values: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
     use footsteps::HEEL;
+    use limbs::find;
 
     /// Metres a second.
     const SLIDING: f64 = 0.01;
@@ -316,7 +263,7 @@ mod tests {
         let rig = rig();
         let body = Body::new();
         let poses: Vec<Pose<'_>> = (0..body.frames()).map(|frame| body.pose(&rig, frame)).collect();
-        let mut standing = 0;
+        let (mut standing, mut worst) = (0, 0.0_f64);
         for side in 0..2 {
             let foot = find(&poses[0], side, "Foot").unwrap();
             for frame in 1..poses.len() {
@@ -332,8 +279,10 @@ mod tests {
                 // It stands on its heel or on its ball.
                 let slides = moved(BALL).min(moved(HEEL));
                 assert!(slides < SLIDING, "side {side}, frame {frame}: {slides:.4} m/s");
+                worst = worst.max(slides);
             }
         }
+        println!("a standing foot slides by at most {worst:.1e} m/s");
         assert!(standing > body.frames(), "feet stand more than they swing");
     }
 

@@ -153,7 +153,7 @@ fn plants(gait: &Gait, paths: &Paths, leg: usize) -> Vec<Plant> {
         .collect();
     if !hind {
         // For the bow the fore paws go ahead one after the other, and come back.
-        let late = if leg % 2 == 0 { 0.0 } else { 0.2 };
+        let late = if leg.is_multiple_of(2) { 0.0 } else { 0.2 };
         for (lift, forward) in [(BOW.0 - 0.1 + late, 0.27 + stagger), (BOW.1 - 0.5 + late, 0.02 + stagger)] {
             let (place, heading) = spot(LENGTH, 1.0, forward);
             if let Some(last) = plants.last_mut() {

@@ -1,0 +1,186 @@
+//! The first real job from end to end: a clip and a drawn curve give a motion that follows the curve.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use inkrig_align::{AlignError, Alignment, Control, CurveOptions, Options, Preset, Report, align};
+use inkrig_formats::{ImportOptions, read_bvh};
+use inkrig_motion::{Clip, Features, kinematics, time};
+use inkrig_sketch::{Curve, shapes};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+fn sample(name: &str) -> Clip {
+    read_bvh(inkrig_samples::find(name).unwrap().bytes, &ImportOptions::default()).unwrap().clip
+}
+
+/// A motion of the reference folder; `None`, said in one line, where that is not there.
+fn reference(path: &str) -> Option<Clip> {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
+    let folder = std::env::var_os("INKRIG_REFERENCE").map_or_else(|| PathBuf::from(beside), PathBuf::from);
+    let file = folder.join("data").join(path);
+    match std::fs::read(&file) {
+        Ok(bytes) => Some(read_bvh(&bytes, &ImportOptions::default()).unwrap().clip),
+        Err(error) => {
+            assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "{}: {error}", file.display());
+            println!("skipped: no reference motion at {}", file.display());
+            None
+        }
+    }
+}
+
+fn follow(clip: &Clip, curve: &Curve, options: &Options) -> Alignment {
+    let control = Control::from_curve(curve, &CurveOptions::default()).unwrap();
+    let result = align(clip, &control, options, &mut |_| ControlFlow::Continue(())).unwrap();
+    let r = &result.report;
+    println!(
+        "structure {:.3} (ranks {:.3}, warp {:.3}), nearest {:.3}, coverage {:.2}, speed {:.2}, jump {:.2}, jerk {:.2}, freeze {:.2}",
+        r.structure_pearson,
+        r.structure_spearman,
+        r.structure_pearson_warp,
+        r.nearest_patch,
+        r.coverage,
+        r.speed_mean_ratio,
+        r.jump_q999_ratio,
+        r.jerk_ratio,
+        r.freeze
+    );
+    result
+}
+
+/// The gates of a good result.
+fn assert_follows(report: &Report) {
+    assert!(report.structure_pearson >= 0.6, "structure {}", report.structure_pearson);
+    let gain = report.structure_pearson - report.structure_pearson_warp;
+    assert!(gain >= 0.4, "only {gain} above the time warp");
+    assert!(report.nearest_patch <= 0.30, "nearest patch {}", report.nearest_patch);
+    assert!(report.jump_q999_ratio <= 2.0, "jump {}", report.jump_q999_ratio);
+    assert!((0.5..=2.0).contains(&report.speed_mean_ratio), "speed {}", report.speed_mean_ratio);
+}
+
+#[test]
+fn salsa_follows_five_growing_circles() {
+    let Some(clip) = reference("cmu-dance/salsa/01.bvh") else { return };
+    let clip = time::trim(&clip, 0..600).unwrap();
+    let result = follow(&clip, &shapes::growing_circles(5, 300).unwrap(), &Options::default());
+    assert_follows(&result.report);
+    assert_eq!(result.report.rest_pose_frames, 2, "the T-pose is left out");
+    assert!(result.report.notes.iter().any(|note| note.contains("T-pose")), "and said");
+    assert_eq!(result.clip.frames(), 300);
+    // The movement grows with the circles: more of it in the last third than in the first.
+    let growth = movement(&result.clip, 200..300) / movement(&result.clip, 0..100);
+    println!("movement of the last third over that of the first: {growth:.2}");
+    assert!(growth > 1.3, "{growth}");
+}
+
+#[test]
+fn a_walk_at_sixty_frames_follows_circles_and_keeps_its_rate() {
+    let Some(clip) = reference("cmu/35/35_29.bvh") else { return };
+    let result = follow(&clip, &shapes::growing_circles(5, 200).unwrap(), &Options::default());
+    assert_follows(&result.report);
+    assert_eq!(result.clip.frame_rate(), clip.frame_rate());
+    assert_eq!(result.clip.frames(), 400);
+}
+
+#[test]
+fn natural_is_nearer_to_the_clip_and_follows_less() {
+    let Some(clip) = reference("cmu-dance/salsa/01.bvh") else { return };
+    let clip = time::trim(&clip, 0..600).unwrap();
+    let curve = shapes::growing_circles(5, 300).unwrap();
+    let report = follow(&clip, &curve, &Options::preset(Preset::Natural)).report;
+    let follow = follow(&clip, &curve, &Options::default()).report;
+    assert!(report.structure_pearson >= 0.55 && report.nearest_patch <= 0.20, "{report:?}");
+    assert!(report.nearest_patch < follow.nearest_patch);
+    assert!(report.structure_pearson < follow.structure_pearson);
+}
+
+#[test]
+fn every_sample_follows_its_curve() {
+    for (motion, curve) in [("person", "spiral"), ("quadruped", "eight"), ("snake", "wave")] {
+        println!("{motion} follows {curve}");
+        let drawing = inkrig_samples::find(curve).unwrap();
+        let format = inkrig_sketch::Format::from_path(drawing.file_name.as_ref()).unwrap();
+        let curve = inkrig_sketch::read_curve(drawing.bytes, format).unwrap();
+        let result = follow(&sample(motion), &curve, &Options::default());
+        assert_follows(&result.report);
+        assert_eq!(result.clip.frames(), 300);
+        assert_eq!(result.best_source.len(), 300);
+        assert!(result.confidence.iter().all(|share| (0.0..=1.0).contains(share)));
+    }
+}
+
+#[test]
+fn the_same_input_gives_the_same_motion_on_any_number_of_threads() {
+    let clip = sample("snake");
+    let curve = shapes::wave(4, 150).unwrap();
+    let with = |threads, seed| follow(&clip, &curve, &Options { threads, seed, ..Options::default() });
+    let one = with(1, 0);
+    assert_eq!(one.clip, with(2, 0).clip);
+    assert_eq!(one.clip, with(3, 0).clip);
+    assert_ne!(one.clip, with(1, 7).clip, "another seed may find another solution");
+}
+
+#[test]
+fn a_run_can_be_watched_and_stopped() {
+    let clip = sample("snake");
+    let control = Control::from_curve(&shapes::wave(4, 150).unwrap(), &CurveOptions::default()).unwrap();
+    let mut seen = Vec::new();
+    let options = Options::default();
+    align(&clip, &control, &options, &mut |progress| {
+        seen.push(progress.done);
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert!(seen.is_sorted() && seen.last() == Some(&options.gradients()));
+    let mut calls = 0;
+    let stopped = align(&clip, &control, &options, &mut |_| {
+        calls += 1;
+        if calls == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert!(matches!(stopped, Err(AlignError::Cancelled)));
+    assert_eq!(calls, 3);
+}
+
+#[test]
+fn what_cannot_be_aligned_is_said_with_what_to_do() {
+    let clip = sample("snake");
+    let control = |frames: usize| {
+        Control::from_curve(&shapes::wave(4, frames).unwrap(), &CurveOptions::default()).unwrap()
+    };
+    let message = |clip: &Clip, control: &Control, options: &Options| {
+        align(clip, control, options, &mut |_| ControlFlow::Continue(())).unwrap_err().to_string()
+    };
+    let usual = Options::default();
+    let short = time::trim(&clip, 0..12).unwrap();
+    assert!(message(&short, &control(100), &usual).contains("give a longer clip"));
+    assert!(message(&clip, &control(15), &usual).contains("--length"));
+    let still = time::sample_at(&clip, &[5.0; 100], 30.0).unwrap();
+    assert!(message(&still, &control(100), &usual).contains("nothing in the clip moves"));
+    let flat = Control { features: Features::new(vec![1.0; 200], 2).unwrap(), rate: 30.0 };
+    assert!(message(&clip, &flat, &usual).contains("the control does not change"));
+    let long =
+        Control { features: Features::new((0..20_000).map(|i| i as f32).collect(), 2).unwrap(), rate: 30.0 };
+    assert!(message(&clip, &long, &usual).contains("cut it with --length"));
+    let bad = Options { alpha: 1.5, ..usual };
+    assert!(message(&clip, &control(100), &bad).contains("alpha is 1.5, but must be from 0 to 1"));
+}
+
+#[test]
+fn too_little_material_is_said() {
+    // Eight slow figures ask for far more than a second of a snake.
+    let clip = time::trim(&sample("snake"), 0..40).unwrap();
+    let result = follow(&clip, &shapes::zigzag(3, 300).unwrap(), &Options::default());
+    assert!(
+        result.report.notes.iter().any(|note| note.starts_with("Too little material")),
+        "{:?}",
+        result.report
+    );
+}
+
+/// Mean speed of the joints relative to the root over a part of a clip.
+fn movement(clip: &Clip, frames: std::ops::Range<usize>) -> f32 {
+    let positions = kinematics::positions(clip).relative_to(clip.travel_joint());
+    let steps = frames.skip(1).map(|frame| {
+        let pairs = positions.frame(frame).iter().zip(positions.frame(frame - 1));
+        pairs.map(|(to, from)| to.distance(*from)).sum::<f32>()
+    });
+    steps.sum()
+}
