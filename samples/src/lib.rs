@@ -72,7 +72,7 @@ static CURVES: [Sample; 4] = [
         name: "eight",
         file_name: "eight.csv",
         bytes: include_bytes!("../curves/eight.csv"),
-        description: "A figure of eight on its side; 300 points, one a frame.",
+        description: "A figure of eight on its side, five laps; 300 points, one a frame.",
     },
     Sample {
         name: "wave",

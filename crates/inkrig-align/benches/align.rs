@@ -46,7 +46,7 @@ fn products(frames: usize, options: &Options) {
         let patches = length + 1 - options.patch();
         let square = Mat::from_fn(patches, patches, |i, j| (i + j) as f32 * 1e-3);
         let (mut once, mut twice) = (Mat::default(), Mat::default());
-        let first = if level == 0 { options.first_iterations } else { 0 };
+        let first = if level == 0 { options.starts * options.scouting + options.first_iterations } else { 0 };
         for _ in 0..first + options.rounds * options.iterations {
             matmul(square.view(), square.view(), &mut once, options.threads).unwrap();
             matmul(square.view(), once.view(), &mut twice, options.threads).unwrap();

@@ -128,10 +128,7 @@ pub fn solve(
                 None,
                 weights(1.0),
             )?;
-            let start = Start::Perturbed(options.seed);
-            let solver = MmSinkhorn { iterations: options.first_iterations, start, ..MmSinkhorn::default() };
-            solver.solve(&structure, &mut b.transport)?;
-            gradients += options.first_iterations;
+            gradients += first_plan(&structure, options, &mut b.transport)?;
             blend(b.transport.plan().dense(), patch, &b.source, &mut b.weights, &mut b.blended, threads)?;
         } else {
             std::mem::swap(&mut b.blended, &mut b.coarser);
@@ -165,6 +162,34 @@ pub fn solve(
     }
     let plan = polish(options, scale, buffers)?;
     Ok(Matching { plan, weights: std::mem::take(&mut buffers.weights), levels, gradients })
+}
+
+/// Solves the first problem, structure alone, and leaves the plan in the workspace; returns the gradients taken. The
+/// independent plan is close to a saddle of the objective, and which way a run leaves it is chance: several starts
+/// are scouted, the best goes on.
+fn first_plan(
+    problem: &Problem<'_, f32>,
+    options: &Options,
+    transport: &mut Workspace<f32>,
+) -> Result<usize, AlignError> {
+    let starts = options.starts as u64;
+    let mut best: Option<(f64, Plan<f32>)> = None;
+    for start in 0..starts {
+        // Seed 0 is the independent plan itself; other seeds look elsewhere.
+        let start = Start::Perturbed(options.seed.wrapping_mul(starts).wrapping_add(start));
+        let scout = MmSinkhorn { iterations: options.scouting, start, trace: usize::MAX, ..MmSinkhorn::default() };
+        let trace = scout.solve(problem, transport)?;
+        let objective = trace.last().map_or(f64::INFINITY, |terms| terms.objective);
+        if best.as_ref().is_none_or(|(least, _)| objective < *least) {
+            best = Some((objective, transport.take_plan()));
+        }
+    }
+    if let Some((_, plan)) = best {
+        transport.resume(&plan);
+    }
+    let iterations = options.first_iterations;
+    MmSinkhorn { iterations, start: Start::Continue, ..MmSinkhorn::default() }.solve(problem, transport)?;
+    Ok(options.starts * options.scouting + iterations)
 }
 
 /// Match-and-blend steps that look only at nearness: every output patch is drawn to the source patches that it is

@@ -33,7 +33,11 @@ pub struct Options {
     pub rounds: usize,
     /// Gradients of every round.
     pub iterations: usize,
-    /// Gradients of the first plan at the coarsest level, which sees structure only.
+    /// Starts that are scouted at the coarsest level, at least 1: a single one may end in a poor local minimum.
+    pub starts: usize,
+    /// Gradients of every scout, at least 1.
+    pub scouting: usize,
+    /// Gradients with which the best scout goes on; structure only, as for the scouts.
     pub first_iterations: usize,
     /// Match-and-blend steps at the end that only look at nearness to the clip (alpha 0).
     pub polish: usize,
@@ -59,7 +63,9 @@ impl Default for Options {
             levels: 6,
             ratio: 4.0,
             rounds: 3,
-            iterations: 6,
+            iterations: 4,
+            starts: 4,
+            scouting: 9,
             first_iterations: 24,
             polish: 2,
             matching_rate: 30.0,
@@ -87,7 +93,7 @@ impl Options {
 
     /// Solver gradients of a whole run.
     pub fn gradients(&self) -> usize {
-        self.first_iterations + self.levels * self.rounds * self.iterations
+        self.starts * self.scouting + self.first_iterations + self.levels * self.rounds * self.iterations
     }
 
     /// Checks that every number is one that the solver can work with.
@@ -115,6 +121,8 @@ impl Options {
             ("levels", self.levels, 1, 16, "from 1 to 16"),
             ("rounds", self.rounds, 1, 1000, "from 1 to 1000"),
             ("iterations", self.iterations, 1, 100_000, "from 1 to 100000"),
+            ("starts", self.starts, 1, 1000, "from 1 to 1000"),
+            ("scouting", self.scouting, 1, 100_000, "from 1 to 100000"),
             ("first iterations", self.first_iterations, 1, 100_000, "from 1 to 100000"),
             ("polish", self.polish, 0, 100, "from 0 to 100"),
             ("threads", self.threads, 1, 1024, "from 1 to 1024"),

@@ -80,7 +80,7 @@ pub(crate) fn notes(report: &Report) -> Vec<String> {
             report.jump_q999_ratio
         ));
     }
-    if report.structure_pearson < report.structure_pearson_warp + 0.1 {
+    if report.structure_pearson < (report.structure_pearson_warp + 0.1).min(0.5) {
         notes.push(
             "The result follows the control little better than the clip stretched to its length: the two have little in common."
                 .to_string(),

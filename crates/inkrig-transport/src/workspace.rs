@@ -104,6 +104,20 @@ impl<T: Real> Workspace<T> {
         std::mem::take(&mut self.plan)
     }
 
+    /// Takes a plan as if a solve had just ended with it, for [`Start::Continue`]: another solve's, or one put together
+    /// by hand. Rows are taken as they are; a solver's first iteration makes them sum to 1/N again.
+    pub fn resume(&mut self, plan: &Plan<T>) {
+        let (n, m) = (plan.rows(), plan.cols());
+        self.transport.reset(n, m, T::ZERO);
+        self.held.reset(1, m, T::ZERO);
+        self.mass.reset(1, m, T::ZERO);
+        for i in 0..n {
+            self.transport.row_mut(i).copy_from_slice(plan.row(i));
+        }
+        self.mass.row_mut(0).copy_from_slice(plan.column_mass());
+        self.finish();
+    }
+
     /// Shapes the buffers and puts the start in place.
     pub(crate) fn prepare(&mut self, problem: &Problem<'_, T>, start: Start) -> Result<(), TransportError> {
         let (n, m) = (problem.rows(), problem.cols());

@@ -156,7 +156,7 @@ pub struct AlignArgs {
     /// How many times shorter the coarsest level is [default: 4]
     #[arg(long, help_heading = "Fine tuning")]
     pub ratio: Option<f64>,
-    /// Solver gradients of every round [default: 6]
+    /// Solver gradients of every round [default: 4]
     #[arg(long, help_heading = "Fine tuning")]
     pub iterations: Option<usize>,
     /// Smoothing of the drawn curve, frames; 0 for none

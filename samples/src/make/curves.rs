@@ -5,6 +5,9 @@ use inkrig_sketch::{Curve, SketchError, shapes, to_csv, to_json, to_svg};
 /// Points of a curve that has one a frame: ten seconds at 30 frames a second.
 const SAMPLES: usize = 300;
 
+/// A lap in two seconds: about as fast as an animal's gait changes, so that the drawing asks for movement.
+const EIGHT_LAPS: usize = 5;
+
 /// File names and bytes of all curves.
 ///
 /// # Errors
@@ -12,7 +15,7 @@ const SAMPLES: usize = 300;
 pub fn files() -> Result<Vec<(&'static str, String)>, SketchError> {
     Ok(vec![
         ("spiral.json", to_json(&shapes::growing_circles(5, SAMPLES)?)),
-        ("eight.csv", to_csv(&shapes::figure_of_eight(1, SAMPLES)?)),
+        ("eight.csv", to_csv(&shapes::figure_of_eight(EIGHT_LAPS, SAMPLES)?)),
         ("wave.svg", to_svg(&growing(&shapes::wave(6, 240)?)?)),
         ("heart.json", to_json(&drawn(&shapes::heart(180)?)?)),
     ])

@@ -1,58 +1,57 @@
 //! A clean copy of an SVG document: groups, shapes and local references, and nothing else.
 //!
 //! An SVG may refer to files, repeat itself a billion times through `<use>`, clip paths, masks, markers, patterns and
-//! filters, and run a style language. None of this is needed to know what was drawn, so the parser that resolves
-//! shapes, units and transforms is handed only what is: elements and attributes from a list. Paint becomes black where it
-//! is not a plain colour, references stay inside the document, and what they expand to is counted first.
+//! filters, and run a style language. None of this is needed to know what was drawn, so the parser that resolves units,
+//! transforms and visibility is handed only what is: elements and attributes from a list. Path data is read here and
+//! stands in the copy as a number, references stay inside the document, and what they expand to is counted first.
 
 use std::collections::HashMap;
 use std::fmt::Write;
 
-use roxmltree::{Document, Node, NodeId};
+use kurbo::PathEl;
+use roxmltree::{Document, Node};
 
+use super::expansion::Measure;
 use super::guard::too_complex;
-use super::style::{clean_declarations, clean_value, for_each_rule, is_kept_property};
+use super::path_data::{Fault, parse_path, parse_points};
+use super::style::{clean_declarations, clean_property, for_each_rule};
 use crate::SketchError;
-use crate::limits::{MAX_SVG_DEPTH, MAX_SVG_ELEMENTS, MAX_SVG_STYLE_MATCHES, MAX_SVG_TEXT};
+use crate::limits::{MAX_POINTS, MAX_SVG_STYLE_MATCHES, MAX_SVG_TEXT};
 
 const SVG: &str = "http://www.w3.org/2000/svg";
 const XLINK: &str = "http://www.w3.org/1999/xlink";
 
-/// Attributes that are copied as they are; those in `style::is_kept_property` are copied when harmless.
-const ATTRIBUTES: [&str; 23] = [
-    "cx",
-    "cy",
-    "d",
-    "height",
-    "points",
-    "preserveAspectRatio",
-    "r",
-    "requiredExtensions",
-    "requiredFeatures",
-    "rx",
-    "ry",
-    "systemLanguage",
-    "transform",
-    "transform-origin",
-    "viewBox",
-    "width",
-    "x",
-    "x1",
-    "x2",
-    "y",
-    "y1",
-    "y2",
-    "overflow",
-];
+/// Attributes that are copied as they are; presentation attributes go through [`clean_property`].
+const ATTRIBUTES: [&str; 4] =
+    ["preserveAspectRatio", "requiredExtensions", "requiredFeatures", "systemLanguage"];
+/// Attributes that hold lengths.
+const LENGTHS: [&str; 14] =
+    ["cx", "cy", "height", "r", "rx", "ry", "viewBox", "width", "x", "x1", "x2", "y", "y1", "y2"];
+/// Largest length, in its own unit, and largest percentage.
+const MAX_LENGTH: f64 = 1e9;
+const MAX_PERCENT: f64 = 100.0;
 
 /// Classes of one element that are looked at.
 const MAX_CLASSES: usize = 16;
 
-/// The document with nothing in it but what can be drawn.
+/// The document with nothing in it but what can be drawn, and the path data that it stands for.
+pub(super) struct Clean {
+    /// An SVG document whose path number n is [`placeholder`] n.
+    pub(super) text: String,
+    pub(super) paths: Vec<Vec<PathEl>>,
+}
+
+/// Path data that stands for path number n: three points, the first at x = n. No shape of SVG makes such an outline.
+fn placeholder(number: usize) -> String {
+    format!("M{number} 0L{number} 1L{number} 2")
+}
+
+/// Makes the clean copy.
 ///
 /// # Errors
-/// The root is not `<svg>`; a `<use>` contains itself; the drawing is larger than the limits once expanded.
-pub(super) fn clean(document: &Document<'_>) -> Result<String, SketchError> {
+/// The root is not `<svg>`; a `<use>` contains itself; path data is wrong; the drawing is larger than the limits once
+/// expanded.
+pub(super) fn clean(document: &Document<'_>) -> Result<Clean, SketchError> {
     let root = document.root_element();
     if kind(root) != Kind::Container("svg") {
         let problem = format!("the root element is <{}>, not <svg>", shorten(root.tag_name().name()));
@@ -64,12 +63,12 @@ pub(super) fn clean(document: &Document<'_>) -> Result<String, SketchError> {
             ids.entry(id).or_insert(node);
         }
     }
-    let cost = Measure { ids: &ids, known: HashMap::new() }.cost(root, 0)?;
+    let cost = Measure::new(&ids).cost(root, 0)?;
     cost.check()?;
-    let mut copy = Copy { ids: &ids, out: String::new() };
+    let mut copy = Copy { ids: &ids, out: String::new(), paths: Vec::new(), room: MAX_POINTS };
     copy.style_sheets(root, cost.elements)?;
-    copy.element(root);
-    Ok(copy.out)
+    copy.element(root)?;
+    Ok(Clean { text: copy.out, paths: copy.paths })
 }
 
 /// An error at a node of the document.
@@ -78,19 +77,21 @@ pub(super) fn located(node: Node<'_, '_>, problem: String) -> SketchError {
     SketchError::Svg { line: place.row, column: place.col, problem }
 }
 
-type Ids<'a, 'input> = HashMap<&'a str, Node<'a, 'input>>;
+pub(super) type Ids<'a, 'input> = HashMap<&'a str, Node<'a, 'input>>;
 
 #[derive(Debug, PartialEq)]
-enum Kind {
+pub(super) enum Kind {
     /// Copied with its children, under this name.
     Container(&'static str),
     Shape(&'static str),
+    /// A path, polyline or polygon: copied as a placeholder.
+    Path,
     Use,
     /// Copied as an empty element, so that its siblings keep their place.
     Other,
 }
 
-fn kind(node: Node<'_, '_>) -> Kind {
+pub(super) fn kind(node: Node<'_, '_>) -> Kind {
     if !node.is_element() || !matches!(node.tag_name().namespace(), None | Some(SVG)) {
         return Kind::Other;
     }
@@ -101,13 +102,11 @@ fn kind(node: Node<'_, '_>) -> Kind {
         "symbol" => Kind::Container("symbol"),
         // Never drawn where they stand; what is inside may be referred to.
         "defs" | "clipPath" | "mask" | "marker" | "pattern" => Kind::Container("defs"),
-        "path" => Kind::Shape("path"),
+        "path" | "polyline" | "polygon" => Kind::Path,
         "rect" => Kind::Shape("rect"),
         "circle" => Kind::Shape("circle"),
         "ellipse" => Kind::Shape("ellipse"),
         "line" => Kind::Shape("line"),
-        "polyline" => Kind::Shape("polyline"),
-        "polygon" => Kind::Shape("polygon"),
         "use" => Kind::Use,
         _ => Kind::Other,
     }
@@ -118,86 +117,17 @@ fn is_plain_id(id: &str) -> bool {
 }
 
 /// What a `<use>` refers to, if it lies in this document.
-fn target<'a, 'input>(node: Node<'a, 'input>, ids: &Ids<'a, 'input>) -> Option<Node<'a, 'input>> {
+pub(super) fn target<'a, 'input>(node: Node<'a, 'input>, ids: &Ids<'a, 'input>) -> Option<Node<'a, 'input>> {
     let href = node.attribute("href").or_else(|| node.attribute((XLINK, "href")))?;
     ids.get(href.trim().strip_prefix('#')?).copied()
-}
-
-/// What an element asks for once every `<use>` in it is replaced.
-#[derive(Debug, Clone, Copy, Default)]
-struct Cost {
-    elements: usize,
-    bytes: usize,
-    depth: usize,
-}
-
-impl Cost {
-    fn add(&mut self, inner: Self) {
-        self.elements = self.elements.saturating_add(inner.elements);
-        self.bytes = self.bytes.saturating_add(inner.bytes);
-        self.depth = self.depth.max(inner.depth.saturating_add(1));
-    }
-
-    fn check(self) -> Result<(), SketchError> {
-        if self.elements > MAX_SVG_ELEMENTS {
-            return Err(too_complex("too many elements, each <use> expanded", MAX_SVG_ELEMENTS));
-        }
-        if self.bytes > MAX_SVG_TEXT {
-            return Err(too_complex("too many bytes of attributes, each <use> expanded", MAX_SVG_TEXT));
-        }
-        if self.depth > MAX_SVG_DEPTH { Err(too_deep()) } else { Ok(()) }
-    }
-}
-
-fn too_deep() -> SketchError {
-    too_complex("elements are nested too deeply, each <use> expanded", MAX_SVG_DEPTH)
-}
-
-/// Counts before anything is expanded: each element is visited once, its cost kept for every `<use>` of it.
-struct Measure<'m, 'a, 'input> {
-    ids: &'m Ids<'a, 'input>,
-    /// `None` while an element is being counted: meeting it again is a loop.
-    known: HashMap<NodeId, Option<Cost>>,
-}
-
-impl<'a, 'input> Measure<'_, 'a, 'input> {
-    fn cost(&mut self, node: Node<'a, 'input>, depth: usize) -> Result<Cost, SketchError> {
-        match self.known.get(&node.id()) {
-            Some(Some(cost)) => return Ok(*cost),
-            Some(None) => {
-                return Err(located(
-                    node,
-                    format!("<{}> contains itself through <use>", shorten(node.tag_name().name())),
-                ));
-            }
-            None if depth > MAX_SVG_DEPTH => return Err(too_deep()),
-            None => {}
-        }
-        self.known.insert(node.id(), None);
-        let bytes = node.attributes().map(|attribute| attribute.value().len()).fold(0, usize::saturating_add);
-        let mut cost = Cost { elements: 1, bytes, depth: 1 };
-        match kind(node) {
-            Kind::Container(_) => {
-                for child in node.children().filter(Node::is_element) {
-                    cost.add(self.cost(child, depth + 1)?);
-                }
-            }
-            Kind::Use => {
-                if let Some(target) = target(node, self.ids) {
-                    cost.add(self.cost(target, depth + 1)?);
-                }
-            }
-            Kind::Shape(_) | Kind::Other => {}
-        }
-        self.known.insert(node.id(), Some(cost));
-        Ok(cost)
-    }
 }
 
 /// Writes the copy. Recursion is bounded: the document was measured first.
 struct Copy<'c, 'a, 'input> {
     ids: &'c Ids<'a, 'input>,
     out: String,
+    paths: Vec<Vec<PathEl>>,
+    room: usize,
 }
 
 impl<'a, 'input> Copy<'_, 'a, 'input> {
@@ -221,14 +151,15 @@ impl<'a, 'input> Copy<'_, 'a, 'input> {
         Ok(())
     }
 
-    fn element(&mut self, node: Node<'a, 'input>) {
+    fn element(&mut self, node: Node<'a, 'input>) -> Result<(), SketchError> {
         let (name, is_container) = match kind(node) {
             Kind::Container(name) => (name, true),
             Kind::Shape(name) => (name, false),
+            Kind::Path => ("path", false),
             Kind::Use => ("use", false),
             Kind::Other => {
                 self.out.push_str("<desc/>");
-                return;
+                return Ok(());
             }
         };
         let is_root = node.parent_element().is_none();
@@ -237,20 +168,49 @@ impl<'a, 'input> Copy<'_, 'a, 'input> {
         if is_root {
             let _ = write!(self.out, " xmlns=\"{SVG}\"");
         }
-        self.attributes(node, name);
+        self.attributes(node)?;
+        match kind(node) {
+            Kind::Path => self.path(node)?,
+            Kind::Use => {
+                if let Some(id) = target(node, self.ids).and_then(|target| target.attribute("id")) {
+                    self.attribute("href", &format!("#{id}"));
+                }
+            }
+            _ => {}
+        }
         self.out.push('>');
         if !sheet.is_empty() {
             let _ = write!(self.out, "<style>{sheet}</style>");
         }
         if is_container {
             for child in node.children().filter(Node::is_element) {
-                self.element(child);
+                self.element(child)?;
             }
         }
         let _ = write!(self.out, "</{name}>");
+        Ok(())
     }
 
-    fn attributes(&mut self, node: Node<'a, 'input>, name: &str) {
+    fn path(&mut self, node: Node<'a, 'input>) -> Result<(), SketchError> {
+        let element = node.tag_name().name();
+        let name = if element == "path" { "d" } else { "points" };
+        let data = node.attribute(name).filter(|data| data.trim() != "none").unwrap_or_default();
+        let path = match element {
+            "path" => parse_path(data, &mut self.room),
+            _ => parse_points(data, element == "polygon", &mut self.room),
+        };
+        let path = path.map_err(|fault| match fault {
+            Fault::Full => SketchError::TooManyPoints,
+            Fault::Wrong(problem) => located(node, format!("{name} of <{element}>, {problem}")),
+        })?;
+        if !path.is_empty() {
+            self.attribute("d", &placeholder(self.paths.len()));
+            self.paths.push(path);
+        }
+        Ok(())
+    }
+
+    fn attributes(&mut self, node: Node<'a, 'input>) -> Result<(), SketchError> {
         for attribute in node.attributes().filter(|attribute| attribute.namespace().is_none()) {
             let (key, value) = (attribute.name(), attribute.value());
             if key == "id" {
@@ -258,24 +218,21 @@ impl<'a, 'input> Copy<'_, 'a, 'input> {
                 if self.ids.get(value).is_some_and(|first| *first == node) {
                     self.attribute(key, value);
                 }
-            } else if key == "style" {
-                self.attribute(key, &clean_declarations(value));
             } else if key == "class" {
                 let classes: Vec<&str> = value.split_ascii_whitespace().take(MAX_CLASSES).collect();
                 self.attribute(key, &classes.join(" "));
+            } else if key == "style" {
+                self.attribute(key, &clean_declarations(value));
+            } else if LENGTHS.contains(&key) {
+                check_lengths(value).map_err(|problem| located(node, format!("{key} {problem}")))?;
+                self.attribute(key, value);
             } else if ATTRIBUTES.contains(&key) {
                 self.attribute(key, value);
-            } else if is_kept_property(key)
-                && let Some(value) = clean_value(key, value)
-            {
+            } else if let Some((key, value)) = clean_property(key, value) {
                 self.attribute(key, value);
             }
         }
-        if name == "use"
-            && let Some(id) = target(node, self.ids).and_then(|target| target.attribute("id"))
-        {
-            self.attribute("href", &format!("#{id}"));
-        }
+        Ok(())
     }
 
     fn attribute(&mut self, name: &str, value: &str) {
@@ -293,7 +250,20 @@ impl<'a, 'input> Copy<'_, 'a, 'input> {
     }
 }
 
+/// Lengths far beyond any drawing make outlines of too many pieces.
+fn check_lengths(value: &str) -> Result<(), String> {
+    for length in value.split([' ', ',', '\t', '\n', '\r']).filter(|length| !length.is_empty()) {
+        let number = length.trim_end_matches(|c: char| c.is_ascii_alphabetic() || c == '%');
+        let limit = if length.ends_with('%') { MAX_PERCENT } else { MAX_LENGTH };
+        // What is no number is ignored, as SVG asks for.
+        if number.parse::<f64>().is_ok_and(|number| number.is_nan() || number.abs() > limit) {
+            return Err(format!("is {}; at most {MAX_LENGTH:e} or {MAX_PERCENT}% is read", shorten(length)));
+        }
+    }
+    Ok(())
+}
+
 /// A name from the file, short enough for a message.
-fn shorten(name: &str) -> String {
+pub(super) fn shorten(name: &str) -> String {
     name.chars().take(40).collect()
 }

@@ -1,8 +1,10 @@
 //! Visible paths of a parsed SVG as polylines.
 
-use kurbo::{PathEl, Point};
-use usvg::tiny_skia_path::{self, PathSegment};
-use usvg::{Group, Node, Transform};
+use std::borrow::Cow;
+
+use kurbo::{Affine, PathEl, Point};
+use usvg::tiny_skia_path::{self, PathSegment, PathVerb};
+use usvg::{Group, Node, PaintOrder, ShapeRendering, Transform};
 
 use crate::builder::{CurveBuilder, Sample};
 use crate::{Curve, Origin, SketchError, measure::Bounds};
@@ -10,72 +12,77 @@ use crate::{Curve, Origin, SketchError, measure::Bounds};
 /// How far a polyline may leave its curve, as a part of the drawing's diagonal.
 const TOLERANCE: f64 = 1e-4;
 
-/// All visible paths in document order, flattened, y up.
-pub(super) fn flatten(root: &Group) -> Result<Curve, SketchError> {
-    let mut paths = Vec::new();
-    collect(root, &mut paths);
-    let corners = paths.iter().flat_map(|path| path.elements().flat_map(control_points));
+/// All visible paths in document order, flattened, y up. `paths` is the path data that placeholders stand for.
+pub(super) fn flatten(root: &Group, paths: &[Vec<PathEl>]) -> Result<Curve, SketchError> {
+    let mut seen = Vec::new();
+    collect(root, paths, &mut seen);
+    let corners = seen.iter().flat_map(|path| path.elements().flat_map(control_points));
     let Some(bounds) = Bounds::around(corners.map(|point| [point.x, point.y])) else {
         return Err(SketchError::NothingVisible);
     };
     let tolerance = (bounds.diagonal() * TOLERANCE).max(f64::MIN_POSITIVE);
     let mut pen = Pen::default();
-    for path in &paths {
-        let mut from = None;
+    for path in &seen {
         for element in path.elements() {
-            let end = element.end_point();
-            pen.draw(from, element, tolerance)?;
-            from = end.or(pen.start);
+            pen.draw(element, tolerance)?;
         }
     }
-    pen.builder.finish(Origin::Outline)
+    pen.builder.finish(Origin::Outline).map_err(|_| SketchError::NothingVisible)
 }
 
 struct Path<'a> {
-    data: &'a tiny_skia_path::Path,
-    page_from_local: Transform,
+    data: Cow<'a, [PathEl]>,
+    /// From the path's own space to the page with y up.
+    page_from_local: Affine,
 }
 
 impl Path<'_> {
-    /// The path on the page, with y up.
     fn elements(&self) -> impl Iterator<Item = PathEl> + '_ {
-        let Transform { sx, kx, ky, sy, tx, ty } = self.page_from_local;
-        let [sx, kx, ky, sy, tx, ty] = [sx, kx, ky, sy, tx, ty].map(f64::from);
-        let place = move |point: tiny_skia_path::Point| {
-            let (x, y) = (f64::from(point.x), f64::from(point.y));
-            Point::new(sx * x + kx * y + tx, -(ky * x + sy * y + ty))
-        };
-        self.data.segments().map(move |segment| match segment {
-            PathSegment::MoveTo(end) => PathEl::MoveTo(place(end)),
-            PathSegment::LineTo(end) => PathEl::LineTo(place(end)),
-            PathSegment::QuadTo(control, end) => PathEl::QuadTo(place(control), place(end)),
-            PathSegment::CubicTo(leave, arrive, end) => {
-                PathEl::CurveTo(place(leave), place(arrive), place(end))
-            }
-            PathSegment::Close => PathEl::ClosePath,
-        })
+        self.data.iter().map(|element| self.page_from_local * *element)
     }
 }
 
 /// Depth is bounded: the drawing was measured before it was parsed.
-fn collect<'a>(group: &'a Group, paths: &mut Vec<Path<'a>>) {
+fn collect<'a>(group: &Group, paths: &'a [Vec<PathEl>], seen: &mut Vec<Path<'a>>) {
     if group.opacity().get() == 0.0 {
         return;
     }
     for node in group.children() {
         match node {
-            Node::Group(group) => collect(group, paths),
+            Node::Group(group) => collect(group, paths, seen),
             Node::Path(path) if is_seen(path) => {
-                paths.push(Path { data: path.data(), page_from_local: path.abs_transform() });
+                let Transform { sx, kx, ky, sy, tx, ty } = path.abs_transform();
+                let page_from_local = Affine::FLIP_Y * Affine::new([sx, ky, kx, sy, tx, ty].map(f64::from));
+                seen.push(Path { data: outline(path.data(), paths), page_from_local });
             }
             _ => {}
         }
     }
 }
 
+/// Paint travels in these two properties: see `style`.
 fn is_seen(path: &usvg::Path) -> bool {
-    let opacities = [path.fill().map(usvg::Fill::opacity), path.stroke().map(usvg::Stroke::opacity)];
-    path.is_visible() && opacities.into_iter().flatten().any(|opacity| opacity.get() > 0.0)
+    let filled = path.paint_order() == PaintOrder::FillAndStroke
+        && path.fill().is_some_and(|fill| fill.opacity().get() > 0.0);
+    path.is_visible() && (filled || path.rendering_mode() == ShapeRendering::CrispEdges)
+}
+
+/// The path data that a placeholder stands for, or the outline of a shape.
+fn outline<'a>(data: &tiny_skia_path::Path, paths: &'a [Vec<PathEl>]) -> Cow<'a, [PathEl]> {
+    if let ([PathVerb::Move, PathVerb::Line, PathVerb::Line], Some(point)) =
+        (data.verbs(), data.points().first())
+    {
+        return paths.get(point.x as usize).map(Vec::as_slice).unwrap_or_default().into();
+    }
+    let place = |point: tiny_skia_path::Point| Point::new(point.x.into(), point.y.into());
+    let elements = data.segments().map(|segment| match segment {
+        PathSegment::MoveTo(end) => PathEl::MoveTo(place(end)),
+        PathSegment::LineTo(end) => PathEl::LineTo(place(end)),
+        PathSegment::QuadTo(control, end) => PathEl::QuadTo(place(control), place(end)),
+        PathSegment::CubicTo(leave, arrive, end) => PathEl::CurveTo(place(leave), place(arrive), place(end)),
+        PathSegment::Close => PathEl::ClosePath,
+    });
+    elements.collect()
 }
 
 fn control_points(element: PathEl) -> impl Iterator<Item = Point> {
@@ -91,24 +98,31 @@ fn control_points(element: PathEl) -> impl Iterator<Item = Point> {
 #[derive(Default)]
 struct Pen {
     builder: CurveBuilder,
-    /// Where the current subpath began.
-    start: Option<Point>,
+    /// Where the current subpath began, and where the pen is.
+    start: Point,
+    at: Point,
+    /// The pen was moved and has not drawn yet: a move alone draws nothing.
+    lifted: bool,
 }
 
 impl Pen {
-    /// Draws one element from a point. One at a time, so that the limit of points stops the flattening.
-    fn draw(&mut self, from: Option<Point>, element: PathEl, tolerance: f64) -> Result<(), SketchError> {
+    /// Draws one element. One at a time, so that the limit of points stops the flattening.
+    fn draw(&mut self, element: PathEl, tolerance: f64) -> Result<(), SketchError> {
+        if let PathEl::MoveTo(point) = element {
+            (self.start, self.at, self.lifted) = (point, point, true);
+            return Ok(());
+        }
+        if std::mem::take(&mut self.lifted) {
+            self.builder.begin_stroke();
+            self.push(self.start)?;
+        }
         match element {
-            PathEl::MoveTo(point) => {
-                self.start = Some(point);
-                self.builder.begin_stroke();
-                self.push(point)
-            }
+            PathEl::MoveTo(_) => Ok(()),
             PathEl::LineTo(point) => self.push(point),
-            PathEl::ClosePath => self.start.map_or(Ok(()), |start| self.push(start)),
+            PathEl::ClosePath => self.push(self.start),
             PathEl::QuadTo(..) | PathEl::CurveTo(..) => {
                 let mut result = Ok(());
-                kurbo::flatten(from.map(PathEl::MoveTo).into_iter().chain([element]), tolerance, |line| {
+                kurbo::flatten([PathEl::MoveTo(self.at), element], tolerance, |line| {
                     if let (PathEl::LineTo(point), true) = (line, result.is_ok()) {
                         result = self.push(point);
                     }
@@ -119,6 +133,7 @@ impl Pen {
     }
 
     fn push(&mut self, point: Point) -> Result<(), SketchError> {
+        self.at = point;
         let sample = Sample { point: [point.x, point.y], seconds: None, pressure: None };
         self.builder.push(sample).map_err(SketchError::from)
     }

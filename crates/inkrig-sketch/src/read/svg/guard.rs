@@ -3,7 +3,9 @@
 use std::collections::HashSet;
 
 use crate::SketchError;
-use crate::limits::{MAX_SVG_ATTRIBUTES, MAX_SVG_ELEMENT_ATTRIBUTES, MAX_SVG_LOOKUPS, MAX_SVG_TEXT};
+use crate::limits::{
+    MAX_SVG_ATTRIBUTES, MAX_SVG_ELEMENT_ATTRIBUTES, MAX_SVG_ELEMENTS, MAX_SVG_LOOKUPS, MAX_SVG_TEXT,
+};
 
 /// Refuses what an XML parser compares each with each, in too large numbers: attributes of a tag, prefixes of name
 /// spaces, entities; and entities that multiply.
@@ -11,7 +13,13 @@ use crate::limits::{MAX_SVG_ATTRIBUTES, MAX_SVG_ELEMENT_ATTRIBUTES, MAX_SVG_LOOK
 /// Entities are allowed as long as they hold plain text: drawing programs declare their name spaces with them.
 pub(super) fn check_markup(text: &str) -> Result<(), SketchError> {
     check_prefixes(text)?;
-    let mut attributes = 0_usize;
+    // The parser sets memory aside for each of these signs; an element and the text around it have up to four.
+    if text.bytes().filter(|&byte| byte == b'<').count() > 4 * MAX_SVG_ELEMENTS {
+        return Err(too_complex("too many elements", MAX_SVG_ELEMENTS));
+    }
+    if text.bytes().filter(|&byte| byte == b'=').count() > MAX_SVG_ATTRIBUTES {
+        return Err(too_complex("too many attributes", MAX_SVG_ATTRIBUTES));
+    }
     let mut entities = 0_usize;
     let mut longest_entity = 0;
     let mut rest = text;
@@ -27,10 +35,6 @@ pub(super) fn check_markup(text: &str) -> Result<(), SketchError> {
         } else {
             let is_entity = tag.starts_with("!ENTITY");
             let scan = unquoted(tag, &['>'])?;
-            attributes += scan.equal_signs;
-            if attributes > MAX_SVG_ATTRIBUTES {
-                return Err(too_complex("too many attributes", MAX_SVG_ATTRIBUTES));
-            }
             if scan.equal_signs > MAX_SVG_ELEMENT_ATTRIBUTES {
                 return Err(too_complex("an element has too many attributes", MAX_SVG_ELEMENT_ATTRIBUTES));
             }

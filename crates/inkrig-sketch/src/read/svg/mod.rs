@@ -1,17 +1,20 @@
 //! Curves in SVG.
 //!
-//! The text is looked over ([`guard`]), parsed as XML under limits, copied down to what can be drawn ([`clean`],
-//! [`style`]), resolved by usvg (units, view boxes, `<use>`, transforms, visibility) and flattened ([`flatten`]).
+//! The text is looked over ([`guard`]), parsed as XML under limits, counted ([`expansion`]) and copied down to what can
+//! be drawn ([`clean`], [`style`], [`path_data`]), resolved by usvg (units, view boxes, `<use>`, transforms, visibility) and flattened
+//! ([`flatten`]).
 
 mod clean;
+mod expansion;
 mod flatten;
 mod guard;
+mod path_data;
 mod style;
 
-use roxmltree::{Document, Node, ParsingOptions};
+use roxmltree::{Document, ParsingOptions};
 
 use self::guard::too_complex;
-use crate::limits::{MAX_MAGNITUDE, MAX_SVG_ELEMENTS};
+use crate::limits::MAX_SVG_ELEMENTS;
 use crate::{Curve, SketchError};
 
 pub(super) fn read(text: &str) -> Result<Curve, SketchError> {
@@ -27,22 +30,15 @@ pub(super) fn read(text: &str) -> Result<Curve, SketchError> {
             SketchError::Svg { line: place.row, column: place.col, problem: problem.to_owned() }
         }
     })?;
-    for node in document.descendants() {
-        for name in ["d", "points"] {
-            if let Some(data) = node.attribute(name) {
-                check_path_data(node, name, data)?;
-            }
-        }
-    }
     let clean = clean::clean(&document)?;
-    let tree = usvg::Tree::from_str(&clean, &offline()).map_err(|error| {
+    let tree = usvg::Tree::from_str(&clean.text, &offline()).map_err(|error| {
         let problem = match error {
             usvg::Error::InvalidSize => "width, height or viewBox of the drawing is not positive".to_owned(),
             error => error.to_string(),
         };
         clean::located(document.root_element(), problem)
     })?;
-    flatten::flatten(tree.root())
+    flatten::flatten(tree.root(), &clean.paths)
 }
 
 /// No file, address or data is followed, whatever the drawing says. The clean copy holds no image; this is the second bolt.
@@ -55,37 +51,6 @@ fn offline() -> usvg::Options<'static> {
         },
         ..usvg::Options::default()
     }
-}
-
-/// Path data is drawn up to its first mistake; characters that are never part of it, and numbers without sense, are
-/// told instead of drawn.
-fn check_path_data(node: Node<'_, '_>, name: &str, data: &str) -> Result<(), SketchError> {
-    let is_number = |c: char| c.is_ascii_digit() || ".+-eE".contains(c);
-    if let Some(odd) =
-        data.chars().find(|&c| !is_number(c) && !"MmZzLlHhVvCcSsQqTtAa, \t\n\r\x0C".contains(c))
-    {
-        return Err(clean::located(node, format!("{name} holds {odd:?}, which is not part of a path")));
-    }
-    for token in data.split(|c| !is_number(c)).filter(|token| token.contains(['e', 'E']) || token.len() > 15)
-    {
-        // "1e5-3" is two numbers: signs begin one unless they follow an e.
-        let mut previous = ' ';
-        let starts_number = |c: char| {
-            let starts = (c == '-' || c == '+') && !matches!(previous, 'e' | 'E');
-            previous = c;
-            starts
-        };
-        for number in token.split(starts_number) {
-            if number.parse::<f64>().is_ok_and(|value| value.is_nan() || value.abs() > MAX_MAGNITUDE) {
-                let shown: String = number.chars().take(40).collect();
-                return Err(clean::located(
-                    node,
-                    format!("{name} holds the number {shown}; at most {MAX_MAGNITUDE:e} is read"),
-                ));
-            }
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

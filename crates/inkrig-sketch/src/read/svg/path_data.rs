@@ -5,7 +5,7 @@
 
 use kurbo::{Arc, PathEl, Point, SvgArc, Vec2};
 
-use crate::limits::{MAX_MAGNITUDE, MAX_POINTS};
+use crate::limits::MAX_MAGNITUDE;
 
 /// How far the pieces of an arc may leave it, as a part of its radius.
 const ARC_TOLERANCE: f64 = 1e-6;
@@ -157,7 +157,9 @@ impl<'a> Reader<'a> {
         if let Some(arc) = Arc::from_svg_arc(&svg_arc) {
             // Relative to the radius, an arc has at most a dozen pieces.
             let radius = arc.radii.x.abs().max(arc.radii.y.abs());
-            let whole = [radius, arc.start_angle, arc.sweep_angle, arc.center.x, arc.center.y].iter().all(|v| v.is_finite());
+            let whole = [radius, arc.start_angle, arc.sweep_angle, arc.center.x, arc.center.y]
+                .iter()
+                .all(|v| v.is_finite());
             if !whole {
                 return Err(self.wrong("this arc is too large for its ends"));
             }
@@ -233,22 +235,25 @@ fn number_length(bytes: &[u8]) -> usize {
     length
 }
 
-/// Room for a whole drawing.
-pub(super) const ROOM: usize = MAX_POINTS;
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::limits::MAX_POINTS;
 
     fn parse(data: &str) -> Result<Vec<PathEl>, Fault> {
-        parse_path(data, &mut ROOM.clone())
+        parse_path(data, &mut MAX_POINTS.clone())
     }
 
     #[test]
     fn it_reads_what_kurbo_reads() {
         for data in [
-            "M10-20.5.5 1e1z", "m1,1 2,2-3-3", "M0 0h1v2H3V4z m1 1l1 0", "M0 0C1 2 3 4 5 6s1 1 2 2S0 0 1 1", "M0 0q1 1 2 0t2 0T9 9",
-            "M0 0L1 1s1 1 2 2", "M0 0l1 1t2 2",
+            "M10-20.5.5 1e1z",
+            "m1,1 2,2-3-3",
+            "M0 0h1v2H3V4z m1 1l1 0",
+            "M0 0C1 2 3 4 5 6s1 1 2 2S0 0 1 1",
+            "M0 0q1 1 2 0t2 0T9 9",
+            "M0 0L1 1s1 1 2 2",
+            "M0 0l1 1t2 2",
         ] {
             assert_eq!(parse(data).unwrap(), kurbo::BezPath::from_svg(data).unwrap().elements(), "{data}");
         }
@@ -263,7 +268,12 @@ mod tests {
             assert!((point.distance(Point::new(5.0, 0.0)) - 5.0).abs() < 1e-3, "{point:?}");
             assert!(point.y < 1e-9, "clockwise on the page is up: {point:?}");
         });
-        for wild in ["M0 0A1e15 2e-5 30 1 1 1e15 1e15", "M0 0A1e-4 1e14 0 0 0 1e15 0", "M0 0A1 1 0 0 0 0 0", "M0 0A0 1 0 0 0 5 5"] {
+        for wild in [
+            "M0 0A1e15 2e-5 30 1 1 1e15 1e15",
+            "M0 0A1e-4 1e14 0 0 0 1e15 0",
+            "M0 0A1 1 0 0 0 0 0",
+            "M0 0A0 1 0 0 0 5 5",
+        ] {
             assert!(parse(wild).unwrap().len() < 20, "{wild}");
         }
     }
@@ -289,9 +299,9 @@ mod tests {
 
     #[test]
     fn points_make_lines() {
-        let triangle = parse_points(" 0,0 1-1,2.5.5 ", true, &mut ROOM.clone()).unwrap();
+        let triangle = parse_points(" 0,0 1-1,2.5.5 ", true, &mut MAX_POINTS.clone()).unwrap();
         let [a, b, c] = [(0.0, 0.0), (1.0, -1.0), (2.5, 0.5)].map(Point::from);
         assert_eq!(triangle, [PathEl::MoveTo(a), PathEl::LineTo(b), PathEl::LineTo(c), PathEl::ClosePath]);
-        assert_eq!(parse_points("", true, &mut ROOM.clone()).unwrap(), []);
+        assert_eq!(parse_points("", true, &mut MAX_POINTS.clone()).unwrap(), []);
     }
 }

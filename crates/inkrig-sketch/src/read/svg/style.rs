@@ -2,38 +2,31 @@
 
 use std::fmt::Write;
 
-/// Properties that are kept.
-const PROPERTIES: [&str; 13] = [
-    "display",
-    "visibility",
-    "opacity",
-    "overflow",
-    "color",
-    "fill",
-    "fill-opacity",
-    "stroke",
-    "stroke-opacity",
-    "stroke-width",
-    "font-size",
-    "transform",
-    "transform-origin",
-];
+/// Properties that are handed on as they are.
+const PROPERTIES: [&str; 6] =
+    ["display", "visibility", "opacity", "fill-opacity", "transform", "transform-origin"];
 
-/// Whether a property decides about visibility or place.
-pub(super) fn is_kept_property(name: &str) -> bool {
-    PROPERTIES.contains(&name)
-}
+/// Whether a shape is painted, as `fill` and `stroke` say, in two properties that are inherited alike and cost nothing:
+/// outlining a hostile stroke, only to know its size, is what makes SVG programs slow or stop. `flatten` reads them.
+const FILLED: [&str; 3] = ["paint-order", "normal", "stroke"];
+const STROKED: [&str; 3] = ["shape-rendering", "crispEdges", "geometricPrecision"];
 
-/// A value that is safe to hand on, or `None`. Paint that is defined elsewhere (gradients, patterns, variables) becomes
-/// black: it is seen, and its colour does not matter.
-pub(super) fn clean_value<'a>(property: &str, value: &'a str) -> Option<&'a str> {
+/// The property and value that are handed on for a declaration, or `None` where it says nothing about visibility or place.
+pub(super) fn clean_property<'a>(name: &'a str, value: &'a str) -> Option<(&'a str, &'a str)> {
     let value = value.trim();
-    let is_paint = matches!(property, "fill" | "stroke" | "color");
     let harmless = |c: char| c.is_ascii_alphanumeric() || " .,#%()+-!".contains(c);
-    if is_paint && (value.contains("url(") || value.contains("var(")) {
-        Some("black")
-    } else {
-        (!value.is_empty() && value.chars().all(harmless)).then_some(value)
+    let [property, painted, unpainted] = match name {
+        "fill" => FILLED,
+        "stroke" => STROKED,
+        _ if PROPERTIES.contains(&name) && !value.is_empty() && value.chars().all(harmless) => {
+            return Some((name, value));
+        }
+        _ => return None,
+    };
+    match value {
+        "" | "inherit" => None,
+        "none" | "transparent" => Some((property, unpainted)),
+        _ => Some((property, painted)),
     }
 }
 
@@ -41,10 +34,13 @@ pub(super) fn clean_value<'a>(property: &str, value: &'a str) -> Option<&'a str>
 pub(super) fn clean_declarations(text: &str) -> String {
     let mut clean = String::new();
     for (name, value) in text.split(';').filter_map(|declaration| declaration.split_once(':')) {
-        let name = name.trim();
-        if let Some(value) = clean_value(name, value).filter(|_| is_kept_property(name)) {
+        let (value, important) = match value.trim_end().strip_suffix("!important") {
+            Some(value) => (value, " !important"),
+            None => (value, ""),
+        };
+        if let Some((name, value)) = clean_property(name.trim(), value) {
             // Writing to a string does not fail.
-            let _ = write!(clean, "{name}:{value};");
+            let _ = write!(clean, "{name}:{value}{important};");
         }
     }
     clean
@@ -136,27 +132,21 @@ mod tests {
 
     #[test]
     fn what_drawing_programs_write_is_kept() {
+        let illustrator =
+            "/* a */ @import url(x); .cls-1, .cls-2 { fill: none; stroke-width:10 } #a{display:none}";
         assert_eq!(
-            rules(
-                "/* a */ @import url(x); .cls-1, .cls-2 { fill: none; stroke-miterlimit:10 } #a{display:none}"
-            ),
-            [".cls-1{fill:none;}", ".cls-2{fill:none;}", "#a{display:none;}"]
+            rules(illustrator),
+            [".cls-1{paint-order:stroke;}", ".cls-2{paint-order:stroke;}", "#a{display:none;}"]
         );
-        assert_eq!(
-            rules("@media print { .a { fill: red } } path.b{stroke:url(#g)}"),
-            ["path.b{stroke:black;}"]
-        );
+        let important = "@media print { .a { fill: red } } path.b{stroke:url(#g)!important}";
+        assert_eq!(rules(important), ["path.b{shape-rendering:crispEdges !important;}"]);
     }
 
     #[test]
     fn the_rest_is_left_out() {
-        assert_eq!(
-            rules("a b{fill:red} a>b{fill:red} [x]{fill:red} .a{filter:url(#f)} {} }{ ,{fill:red}"),
-            [""; 0]
-        );
-        assert_eq!(
-            clean_declarations("fill:red;mask:url(#a);stroke:'x';opacity:0;transform"),
-            "fill:red;opacity:0;"
-        );
+        let odd = "a b{fill:red} a>b{fill:red} [x]{fill:red} .a{filter:url(#f)} {} }{ ,{fill:red}";
+        assert_eq!(rules(odd), [""; 0]);
+        let odd = "fill:inherit;mask:url(#a);stroke:'x';opacity:0;stroke-width:1e30;display:'';transform";
+        assert_eq!(clean_declarations(odd), "shape-rendering:crispEdges;opacity:0;");
     }
 }
