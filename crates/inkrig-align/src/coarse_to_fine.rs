@@ -1,7 +1,7 @@
 //! The algorithm itself (MAMM Alg. 1): a first plan from structure alone at the coarsest level, then rounds of
 //! matching and blending at every level, each starting from the motion of the level before.
 
-use crate::blend::frame_weights;
+use crate::blend::{Window, frame_weights};
 use crate::patches::{PatchScratch, normalised_self_distances, patch_distances};
 use crate::progress::{self, Observer, Progress};
 use crate::pyramid::{level_lengths, resample_rows};
@@ -161,6 +161,7 @@ pub fn solve(
         });
     }
     let plan = polish(options, scale, buffers)?;
+    frame_weights(plan.dense(), patch, Window::Hann, &mut buffers.weights);
     Ok(Matching { plan, weights: std::mem::take(&mut buffers.weights), levels, gradients })
 }
 
@@ -177,7 +178,8 @@ fn first_plan(
     for start in 0..starts {
         // Seed 0 is the independent plan itself; other seeds look elsewhere.
         let start = Start::Perturbed(options.seed.wrapping_mul(starts).wrapping_add(start));
-        let scout = MmSinkhorn { iterations: options.scouting, start, trace: usize::MAX, ..MmSinkhorn::default() };
+        let scout =
+            MmSinkhorn { iterations: options.scouting, start, trace: usize::MAX, ..MmSinkhorn::default() };
         let trace = scout.solve(problem, transport)?;
         let objective = trace.last().map_or(f64::INFINITY, |terms| terms.objective);
         if best.as_ref().is_none_or(|(least, _)| objective < *least) {
@@ -226,6 +228,6 @@ fn blend(
     blended: &mut Mat<f32>,
     threads: usize,
 ) -> Result<(), AlignError> {
-    frame_weights(plan, patch, weights);
+    frame_weights(plan, patch, Window::Box, weights);
     Ok(matmul(weights.view(), source.view(), blended, threads)?)
 }

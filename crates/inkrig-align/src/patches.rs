@@ -126,7 +126,7 @@ fn squared_frame_distances<T: Real>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::blend::frame_weights;
+    use crate::blend::{Window, frame_weights};
 
     fn table(rows: usize, seed: f64) -> Mat<f64> {
         Mat::from_fn(rows, 5, |row, column| (seed + row as f64 * 0.37 + column as f64 * 1.9).sin() * 3.0)
@@ -157,7 +157,7 @@ mod tests {
             weight(j) / (0..columns).map(weight).sum::<f64>() / rows as f64
         });
         let mut weights = Mat::zeros(0, 0);
-        frame_weights(plan.view(), patch, &mut weights);
+        frame_weights(plan.view(), patch, Window::Box, &mut weights);
         for t in 0..rows + patch - 1 {
             let (mut sum, mut count) = ([0.0; 5], 0.0);
             for i in (0..rows).filter(|&i| i <= t && t < i + patch) {

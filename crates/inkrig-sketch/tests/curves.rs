@@ -28,8 +28,9 @@ fn svg(body: &str) -> Result<Curve, SketchError> {
 
 fn messages(cases: &[(&str, &str)], read: impl Fn(&str) -> Result<Curve, SketchError>) {
     for (text, expected) in cases {
-        let message = read(text).expect_err(text).to_string();
-        assert!(message.contains(expected), "{text}\n  said:     {message}\n  expected: {expected}");
+        let shown: String = text.chars().take(200).collect();
+        let message = read(text).expect_err(&shown).to_string();
+        assert!(message.contains(expected), "{shown}\n  said:     {message}\n  expected: {expected}");
     }
 }
 
@@ -166,7 +167,7 @@ fn svg_bombs_are_refused() {
             (&paths, "too many bytes of attributes"),
             (&chain, "nested too deeply"),
             (&("<g>".repeat(200) + &"</g>".repeat(200)), "nested too deeply"),
-            (&("<g>".repeat(300_000) + &"</g>".repeat(300_000)), "nested too deeply"),
+            (&("<g>".repeat(150_000) + &"</g>".repeat(150_000)), "nested too deeply"),
             (&"<g/>".repeat(500_000), "too many elements"),
             (
                 &format!(
