@@ -1,5 +1,5 @@
 //! The first real job from end to end: a clip and a drawn curve give a motion that follows the curve.
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and prints its figures")]
 
 use inkrig_align::{AlignError, Alignment, Control, CurveOptions, Options, Preset, Report, align};
 use inkrig_formats::{ImportOptions, read_bvh};

@@ -19,12 +19,13 @@ impl Timing {
     /// The choice for a curve that is to become `frames` frames, where the user made none:
     ///
     /// 1. [`Timing::Pen`], where there is pen time that advances;
-    /// 2. [`Timing::AsSampled`], where there are exactly `frames` sampled points (n rows without t are n frames);
-    /// 3. [`Timing::ArcLength`] otherwise, so for every outline.
+    /// 2. [`Timing::AsSampled`], where points were sampled densely, at least one for two frames (n rows without t are
+    ///    n frames, and other lengths stretch them);
+    /// 3. [`Timing::ArcLength`] otherwise: for every outline, and for a few corners given by hand.
     pub fn automatic(curve: &Curve, frames: usize) -> Self {
         if curve.duration().is_some_and(|duration| duration > 0.0) {
             Self::Pen
-        } else if curve.origin() == Origin::Sampled && curve.point_count() == frames {
+        } else if curve.origin() == Origin::Sampled && 2 * curve.point_count() >= frames {
             Self::AsSampled
         } else {
             Self::ArcLength
@@ -148,7 +149,8 @@ mod tests {
         assert_eq!(frame_count(&curve, 30.0), Some(4));
         assert_eq!(Timing::automatic(&curve, 4), Timing::AsSampled);
         assert_eq!(resample(&curve, 4, Timing::AsSampled).unwrap(), rows);
-        assert_eq!(Timing::automatic(&curve, 5), Timing::ArcLength);
+        assert_eq!(Timing::automatic(&curve, 8), Timing::AsSampled);
+        assert_eq!(Timing::automatic(&curve, 9), Timing::ArcLength);
         let seven = resample(&curve, 7, Timing::AsSampled).unwrap();
         assert_eq!(seven.map_x(), [0.0, 0.25, 0.5, 2.75, 5.0, 5.0, 5.0]);
     }

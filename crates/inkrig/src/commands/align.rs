@@ -5,8 +5,8 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::output::Output;
 use crate::{load, show};
-use inkrig_align::{Alignment, Control, CurveOptions, Options, Preset, align};
-use inkrig_formats::{ExportOptions, write_motion};
+use inkrig_align::{AlignError, Alignment, Control, CurveOptions, Options, Preset, align};
+use inkrig_formats::{ExportOptions, Finding, Severity, write_motion};
 use inkrig_motion::{RotationSpace, VelocityFrame, time};
 use inkrig_sketch::Timing;
 use serde::Serialize;
@@ -18,7 +18,7 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
     check_names(args, output)?;
     let options = options(args);
     let import = load::motion(&args.clip, &args.import)?;
-    import.findings.iter().for_each(|finding| console.say(format!("{}: {finding}", args.clip.display())));
+    say_warnings(&import.findings, &args.clip, console);
     let source = match args.range {
         None => import.clip,
         Some(span) => {
@@ -35,7 +35,11 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
             smooth: args.smooth,
             timing: args.uniform.then_some(Timing::ArcLength),
         },
-    )?;
+    )
+    .map_err(|error| match error {
+        AlignError::Sketch(source) => CliError::Curve { path: args.curve.clone(), source },
+        other => other.into(),
+    })?;
     let alignment = {
         let bar = console.bar("aligning");
         align(&source, &control, &options, &mut |progress| bar.update(progress))?
@@ -46,7 +50,7 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
     };
 
     let written = write_motion(&clip, import.source.format, &ExportOptions::like(&import.source))?;
-    written.findings.iter().for_each(|finding| console.say(format!("{}: {finding}", args.out.display())));
+    say_warnings(&written.findings, &args.out, console);
     output.write(&args.out, &written.bytes)?;
     let record = Record::of(args, &options, &alignment);
     if let Some(path) = &args.report {
@@ -65,6 +69,13 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
     }
     console.result(&record)?;
     Ok(())
+}
+
+/// What was odd in a file, without mere remarks: `inkrig inspect` has those.
+fn say_warnings(findings: &[Finding], path: &Path, console: &Console) {
+    for finding in findings.iter().filter(|finding| finding.severity == Severity::Warning) {
+        console.say(format!("{}: {finding}", path.display()));
+    }
 }
 
 /// Says before any work whether the results can be written, each to a file of its own.

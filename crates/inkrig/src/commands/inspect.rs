@@ -4,7 +4,7 @@ use crate::cli::InspectArgs;
 use crate::console::Console;
 use crate::error::CliError;
 use crate::load;
-use inkrig_formats::{Evidence, Import, UpAxis};
+use inkrig_formats::{Evidence, Import, Severity, UpAxis};
 use inkrig_motion::{Clip, Skeleton, lead_in, root::RootMotion};
 use serde::Serialize;
 use std::fmt::Write;
@@ -38,7 +38,8 @@ struct Facts {
     travel_joint: String,
     travel_metres: f32,
     rest_pose_frames: usize,
-    findings: Vec<String>,
+    problems: Vec<String>,
+    remarks: Vec<String>,
     skeleton: Vec<JointFacts>,
 }
 
@@ -55,6 +56,14 @@ impl Facts {
         let (clip, skeleton) = (&import.clip, import.clip.skeleton());
         let root = RootMotion::of(clip);
         let travel: f32 = root.places.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+        let findings = |severity| {
+            import
+                .findings
+                .iter()
+                .filter(|finding| finding.severity == severity)
+                .map(ToString::to_string)
+                .collect()
+        };
         Self {
             format: import.source.format.name(),
             joints: skeleton.len(),
@@ -82,7 +91,8 @@ impl Facts {
                 .unwrap_or_default(),
             travel_metres: travel,
             rest_pose_frames: lead_in::rest_pose_frames(clip),
-            findings: import.findings.iter().map(ToString::to_string).collect(),
+            problems: findings(Severity::Warning),
+            remarks: findings(Severity::Info),
             skeleton: (skeleton.joints().iter())
                 .map(|joint| JointFacts {
                     name: joint.name.clone(),
@@ -112,11 +122,11 @@ impl Facts {
             let count = self.rest_pose_frames;
             line("rest pose", format!("the first {count} frame(s) are a T-pose; align leaves them out"));
         }
-        if self.findings.is_empty() {
+        if self.problems.is_empty() {
             line("problems", "none".to_string());
         }
-        for finding in &self.findings {
-            line("problem", finding.clone());
+        for problem in &self.problems {
+            line("problem", problem.clone());
         }
         text.trim_end().to_string()
     }
