@@ -15,9 +15,15 @@ use std::path::{Path, PathBuf};
 /// What is shown: a clip, a drawing.
 const SCENES: [(&str, &str); 3] = [("person", "spiral"), ("quadruped", "eight"), ("snake", "wave")];
 
+/// The names that the demo writes are its own, so they may be written again.
+const OWN: Output = Output { force: true };
+
 pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<(), CliError> {
     let folder = &args.folder;
     std::fs::create_dir_all(folder).map_err(|source| OutputError::Io { path: folder.clone(), source })?;
+    for sample in inkrig_samples::motions().iter().chain(inkrig_samples::curves()) {
+        OWN.write(&folder.join(sample.file_name), sample.bytes)?;
+    }
     let mut scenes = Vec::new();
     for (motion, curve) in SCENES {
         let (Some(motion), Some(curve)) = (inkrig_samples::find(motion), inkrig_samples::find(curve)) else {
@@ -47,8 +53,6 @@ struct Scene {
 }
 
 fn scene(folder: &Path, motion: &Sample, curve: &Sample, console: &Console) -> Result<Scene, CliError> {
-    // These names are the demo's own, so they may be written again.
-    let output = Output { force: true };
     let place = |name: &str| folder.join(name);
     let (source, drawing) = (place(motion.file_name), place(curve.file_name));
     let import = read_bvh(motion.bytes, &ImportOptions::default())
@@ -73,13 +77,11 @@ fn scene(folder: &Path, motion: &Sample, curve: &Sample, console: &Console) -> R
         curve: drawing,
         structure_pearson: alignment.report.structure_pearson,
     };
-    output.write(&scene.source, motion.bytes)?;
-    output.write(&scene.curve, curve.bytes)?;
     let written = write_bvh(&alignment.clip, &ExportOptions::like(&import.source))?;
-    output.write(&scene.motion, &written.bytes)?;
+    OWN.write(&scene.motion, &written.bytes)?;
     let title = format!("{} follows {}", motion.name, curve.name);
-    output.write(&scene.preview, show::page(&title, &alignment, &control).as_bytes())?;
-    output.write(&scene.sheet, &show::sheet(&alignment, &control)?)?;
+    OWN.write(&scene.preview, show::page(&title, &alignment, &control).as_bytes())?;
+    OWN.write(&scene.sheet, &show::sheet(&alignment, &control)?)?;
     console.say(show::summary(&alignment, &scene.motion));
     console.say(format!("wrote {}\nwrote {}", scene.preview.display(), scene.sheet.display()));
     Ok(scene)
