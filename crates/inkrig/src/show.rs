@@ -10,7 +10,7 @@ use std::path::Path;
 pub(crate) fn summary(alignment: &Alignment, out: &Path) -> String {
     let (clip, report) = (&alignment.clip, &alignment.report);
     let mut text = format!(
-        "wrote {}: {:.1} s, {} frames at {:.4} a second\n",
+        "wrote {}: {:.1} s, {} frames at {} a second\n",
         out.display(),
         clip.frames() as f64 / clip.frame_rate(),
         clip.frames(),
