@@ -3,9 +3,9 @@
 #![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark")]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use inkrig_align::coarse_to_fine::{Buffers, solve};
+use inkrig_align::coarse_to_fine::{Buffers, Frames, solve};
 use inkrig_align::pyramid::level_lengths;
-use inkrig_align::{Control, CurveOptions, Options, pca};
+use inkrig_align::{Control, CurveOptions, Layout, Options, pca};
 use inkrig_formats::{ImportOptions, read_bvh};
 use inkrig_motion::{FeatureOptions, frame_features, time};
 use inkrig_sketch::shapes::growing_circles;
@@ -28,14 +28,17 @@ impl Case {
         let curve = growing_circles(5, frames).unwrap();
         let control = Control::from_curve(&curve, &CurveOptions::default()).unwrap().features;
         let control = Mat::from_vec(control.frames(), control.width(), control.into_vec()).unwrap();
-        Self { source: frame_features(&clip, &FeatureOptions::default()), control }
+        Self { source: frame_features(&clip.into(), &FeatureOptions::default()), control }
     }
 
     fn run(&self, options: &Options, buffers: &mut Buffers) {
         let table = MatRef::new(self.source.as_slice(), self.source.frames(), self.source.width()).unwrap();
         let reduced = pca::reduce(table, pca::FEATURE_ENERGY, options.threads).unwrap();
+        let layouts = [table.rows(), self.control.rows()].map(|frames| Layout::open(frames, options.patch()));
+        let source = Frames { table: reduced.frames.view(), layout: &layouts[0] };
+        let control = Frames { table: self.control.view(), layout: &layouts[1] };
         let go_on = &mut |_| ControlFlow::Continue(());
-        let matching = solve(reduced.frames.view(), self.control.view(), options, buffers, go_on).unwrap();
+        let matching = solve(source, control, options, buffers, go_on).unwrap();
         assert_eq!(matching.gradients, options.gradients());
     }
 }

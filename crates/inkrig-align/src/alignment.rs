@@ -1,15 +1,15 @@
 //! The whole job: a clip and a control in, a clip that follows the control out.
 
-use crate::coarse_to_fine::{Buffers, solve};
+use crate::coarse_to_fine::{Buffers, Frames, solve};
 use crate::control::Control;
 use crate::measures::{Dynamics, Structure, nearness, structure};
 use crate::patches::{PatchScratch, normalised_self_distances, patch_distances};
 use crate::progress::Observer;
-use crate::pyramid::resample_rows;
+use crate::pyramid::{close_loop, resample_frames};
 use crate::reconstruct::blend_clip;
 use crate::report::{Report, notes};
-use crate::{AlignError, Options, pca};
-use inkrig_motion::{Clip, Features, frame_features, lead_in, time};
+use crate::{AlignError, Layout, Norm, Options, pca};
+use inkrig_motion::{Clip, Features, Takes, frame_features, lead_in, time};
 use inkrig_transport::{Isa, Mat, MatRef, Plan};
 use std::time::Instant;
 
@@ -21,11 +21,12 @@ pub const MOST_FRAMES: usize = 5000;
 pub struct Alignment {
     /// The result, at the source's own frame rate.
     pub clip: Clip,
-    /// The part of the source that was used: without its rest-pose lead-in.
-    pub source: Clip,
+    /// The part of the source that was used: without rest-pose lead-ins.
+    pub source: Takes,
     /// Which source patches (columns) every control patch (row) is made of.
     pub plan: Plan<f32>,
-    /// For every control sample, the moment of [`Self::source`] that it uses most, seconds.
+    /// For every control sample, the moment of [`Self::source`] that it uses most, seconds from the first take's
+    /// beginning, takes played one after the other.
     pub best_source: Vec<f32>,
     /// For every control sample, the share of its weight within a quarter second of that moment, 0..=1.
     pub confidence: Vec<f32>,
@@ -39,29 +40,32 @@ pub struct Alignment {
 /// When an option is out of range, the clip or the control is too short, too long or does not move, or the observer
 /// cancels.
 pub fn align(
-    source: &Clip,
+    source: &Takes,
     control: &Control,
     options: &Options,
     observer: Observer<'_>,
 ) -> Result<Alignment, AlignError> {
     options.validate()?;
     let begin = Instant::now();
-    let rest_pose_frames = lead_in::rest_pose_frames(source);
-    let source = time::trim(source, rest_pose_frames..source.frames())?;
-    let matched = time::resample(&source, options.matching_rate)?;
-    let drawn = at_rate(&control.features, control.rate, options.matching_rate);
-    check_lengths(matched.frames(), drawn.rows(), options)?;
+    let (source, rest_pose_frames) = without_lead_ins(source)?;
+    let matched = source.resample(options.matching_rate)?;
+    let lengths: Vec<usize> = matched.ranges().map(|range| range.len()).collect();
+    let columns = Layout::clips(&lengths, options.patch());
+    let (drawn, rows) = at_rate(control, options);
+    check_lengths(&columns, &rows, options)?;
 
     let features = frame_features(&matched, &options.features);
     let solving = Instant::now();
     let reduced = pca::reduce(table(&features)?, pca::FEATURE_ENERGY, options.threads)?;
     let mut buffers = Buffers::new(options.threads);
-    let matching = solve(reduced.frames.view(), drawn.view(), options, &mut buffers, observer)?;
+    let frames = Frames { table: reduced.frames.view(), layout: &columns };
+    let matching =
+        solve(frames, Frames { table: drawn.view(), layout: &rows }, options, &mut buffers, observer)?;
     let solve_seconds = solving.elapsed().as_secs_f64();
 
-    let clip = blend_clip(&source, &matching.weights, options.matching_rate, options.travel)?;
+    let clip = blend_clip(&source, &matched, &matching.weights, control.cyclic, options.travel)?;
     let (best_source, confidence) = most_used(&matching.weights, options.matching_rate);
-    let measured = Measured::of(&source, &clip, &features, &drawn, options)?;
+    let measured = Measured::of(&source, &clip, (&features, &columns), (&drawn, &rows), options)?;
     let mut report = Report {
         structure_pearson: measured.structure.pearson,
         structure_spearman: measured.structure.spearman,
@@ -76,11 +80,12 @@ pub fn align(
         gradients: matching.gradients,
         solve_seconds,
         total_seconds: 0.0,
-        source_frames: matched.frames(),
-        control_frames: drawn.rows(),
+        source_frames: columns.frames(),
+        control_frames: rows.frames(),
         rest_pose_frames,
         feature_energy: reduced.energy,
         instruction_set: Isa::current().name(),
+        loop_seam_ratio: control.cyclic.then(|| measured.result.seam(&clip)),
         notes: Vec::new(),
         levels: matching.levels,
     };
@@ -100,47 +105,46 @@ struct Measured {
 
 impl Measured {
     fn of(
-        source: &Clip,
+        source: &Takes,
         result: &Clip,
-        source_features: &Features,
-        control: &Mat<f32>,
+        (features, columns): (&Features, &Layout),
+        (control, rows): (&Mat<f32>, &Layout),
         options: &Options,
     ) -> Result<Self, AlignError> {
-        let (patch, threads) = (options.patch(), options.threads);
+        let threads = options.threads;
         let mut scratch = PatchScratch::new();
-        let distances = Mat::<f32>::default;
+        let empty = Mat::<f32>::default;
         let (mut of_control, mut of_source, mut of_result, mut of_warp, mut cross) =
-            (distances(), distances(), distances(), distances(), distances());
-        normalised_self_distances(control.view(), patch, &mut scratch, &mut of_control, threads)?
+            (empty(), empty(), empty(), empty(), empty());
+        normalised_self_distances(control.view(), rows, Norm::Mean, &mut scratch, &mut of_control, threads)?
             .ok_or(AlignError::StillControl)?;
-        let frames = table(source_features)?;
-        let scale = normalised_self_distances(frames, patch, &mut scratch, &mut of_source, threads)?
-            .ok_or(AlignError::StillClip)?;
+        let frames = (table(features)?, columns);
+        let scale =
+            normalised_self_distances(frames.0, columns, Norm::Mean, &mut scratch, &mut of_source, threads)?
+                .ok_or(AlignError::StillClip)?;
         // The result at the matching rate, one frame a control sample.
         let step = result.frame_rate() / options.matching_rate;
-        let places: Vec<f64> = (0..control.rows()).map(|sample| sample as f64 * step).collect();
+        let places: Vec<f64> = (0..rows.frames()).map(|sample| sample as f64 * step).collect();
         let matched = time::sample_at(result, &places, options.matching_rate)?;
-        let features = frame_features(&matched, &options.features);
-        let own = table(&features)?;
-        patch_distances(own, own, patch, scale, &mut scratch, &mut of_result, threads)?;
-        patch_distances(own, frames, patch, scale, &mut scratch, &mut cross, threads)?;
+        let own_features = frame_features(&matched.into(), &options.features);
+        let mut own = table(&own_features)?.to_mat();
+        close_loop(rows, &mut own);
+        let own = (own.view(), rows);
+        patch_distances(own, own, scale, &mut scratch, &mut of_result, threads)?;
+        patch_distances(own, frames, scale, &mut scratch, &mut cross, threads)?;
         let mut stretched = Mat::zeros(0, 0);
-        resample_rows(frames, control.rows(), &mut stretched);
-        patch_distances(
-            stretched.view(),
-            stretched.view(),
-            patch,
-            scale,
-            &mut scratch,
-            &mut of_warp,
-            threads,
-        )?;
+        // The baseline knows neither cuts nor loops.
+        let (all, even) =
+            (Layout::open(columns.frames(), columns.patch()), Layout::open(rows.rows(), rows.patch()));
+        resample_frames(frames.0, &all, &even, &mut stretched);
+        let stretched = (stretched.view(), &even);
+        patch_distances(stretched, stretched, scale, &mut scratch, &mut of_warp, threads)?;
         Ok(Self {
             structure: structure(&of_control, &of_result),
             warp: structure(&of_control, &of_warp),
             nearness: nearness(&cross, &of_source),
             result: Dynamics::of(result),
-            original: Dynamics::of(source),
+            original: Dynamics::of(source.clip()),
         })
     }
 }
@@ -149,25 +153,52 @@ fn table(features: &Features) -> Result<MatRef<'_, f32>, AlignError> {
     Ok(MatRef::new(features.as_slice(), features.frames(), features.width())?)
 }
 
-/// The control's rows at the matching rate.
-fn at_rate(features: &Features, rate: f64, matching_rate: f64) -> Mat<f32> {
-    let table = Mat::from_fn(features.frames(), features.width(), |row, column| features.row(row)[column]);
-    let rows = ((features.frames() as f64) * matching_rate / rate).round().max(1.0) as usize;
-    let mut out = Mat::zeros(0, 0);
-    resample_rows(table.view(), rows.min(MOST_FRAMES + 1), &mut out);
-    out
+/// The takes without the calibration poses at their beginnings, and how many frames that left out.
+fn without_lead_ins(takes: &Takes) -> Result<(Takes, usize), AlignError> {
+    let mut left_out = 0;
+    let mut kept = Vec::with_capacity(takes.count());
+    for range in takes.ranges() {
+        let take = time::trim(takes.clip(), range)?;
+        let lead_in = lead_in::rest_pose_frames(&take);
+        left_out += lead_in;
+        kept.push(time::trim(&take, lead_in..take.frames())?);
+    }
+    Ok((Takes::join(&kept)?, left_out))
 }
 
-fn check_lengths(source: usize, control: usize, options: &Options) -> Result<(), AlignError> {
+/// The control's rows at the matching rate, and its layout.
+fn at_rate(control: &Control, options: &Options) -> (Mat<f32>, Layout) {
+    let features = &control.features;
+    let frames = (features.frames() as f64 * options.matching_rate / control.rate).round().max(1.0) as usize;
+    let frames = frames.min(MOST_FRAMES + 1);
+    let layout = |frames| {
+        if control.cyclic {
+            Layout::cyclic(frames, options.patch())
+        } else {
+            Layout::open(frames, options.patch())
+        }
+    };
+    let (from, to) = (layout(features.frames()), layout(frames));
+    let mut table =
+        Mat::from_fn(features.frames(), features.width(), |row, column| features.row(row)[column]);
+    close_loop(&from, &mut table);
+    let mut out = Mat::zeros(0, 0);
+    resample_frames(table.view(), &from, &to, &mut out);
+    (out, to)
+}
+
+fn check_lengths(source: &Layout, control: &Layout, options: &Options) -> Result<(), AlignError> {
     let patch = options.patch();
     let needed = 2 * patch;
-    if source < needed {
-        return Err(AlignError::ClipTooShort { frames: source, rate: options.matching_rate, patch, needed });
+    let longest = source.parts().iter().map(std::ops::Range::len).max().unwrap_or(0);
+    if longest < needed {
+        return Err(AlignError::ClipTooShort { frames: longest, rate: options.matching_rate, patch, needed });
     }
-    if control < needed {
-        return Err(AlignError::ControlTooShort { frames: control, patch, needed });
+    if control.frames() < needed {
+        return Err(AlignError::ControlTooShort { frames: control.frames(), patch, needed });
     }
-    for (what, frames, cut) in [("the clip", source, "--range"), ("the control", control, "--length")] {
+    let limits = [("the clip", source.frames(), "--range"), ("the control", control.frames(), "--length")];
+    for (what, frames, cut) in limits {
         if frames > MOST_FRAMES {
             return Err(AlignError::TooLong { what, frames, most: MOST_FRAMES, cut });
         }

@@ -1,6 +1,7 @@
 //! From a plan between patches to a motion: every output frame is the mean of the overlapping patches' blends
 //! (MAMM Sec. 3.2.4, BlendPatches).
 
+use crate::Layout;
 use inkrig_transport::{Mat, MatRef, Real};
 
 /// How much a patch says of each of its frames.
@@ -24,22 +25,30 @@ impl Window {
 
 /// Spreads a patch plan into frame weights.
 ///
-/// `plan` is N x M with rows that sum to 1/N; `out` becomes (N + patch - 1) x (M + patch - 1) with rows that sum to
-/// 1: output frame t takes `out[t][s]` of source frame s. One product of `out` with the source's frames is then the
-/// blended motion; for [`Window::Box`] it equals blending every patch and averaging the up to `patch` overlapping
-/// frames.
-pub fn frame_weights<T: Real>(plan: MatRef<'_, T>, patch: usize, window: Window, out: &mut Mat<T>) {
-    let (rows, columns) = (plan.rows(), plan.cols());
-    out.resize(rows + patch - 1, columns + patch - 1);
+/// `plan` has a row of mass 1/N for each of the N patches of the first layout and a column for each patch of the
+/// second; `out` becomes frames of the first x frames of the second, with rows that sum to 1: output frame t takes
+/// `out[t][s]` of source frame s. One product of `out` with the source's frames is then the blended motion; for
+/// [`Window::Box`] it equals blending every patch and averaging the up to `patch` overlapping frames.
+pub fn frame_weights<T: Real>(
+    plan: MatRef<'_, T>,
+    (rows, columns): (&Layout, &Layout),
+    window: Window,
+    out: &mut Mat<T>,
+) {
+    let patch = rows.patch();
+    out.resize(rows.frames(), columns.frames());
     for t in 0..out.rows() {
-        let patches = (t + 1).saturating_sub(patch)..=t.min(rows - 1);
-        let total: f64 = patches.clone().map(|i| window.weight(t - i, patch)).sum();
+        let patches = rows.covering(t);
+        let total: f64 = patches.iter().map(|&(_, offset)| window.weight(offset, patch)).sum();
         let weights = out.row_mut(t);
-        for i in patches {
-            let offset = t - i;
-            let share = T::from_f64(window.weight(offset, patch) * rows as f64 / total);
-            for (weight, &mass) in weights[offset..offset + columns].iter_mut().zip(plan.row(i)) {
-                *weight += share * mass;
+        for (i, offset) in patches {
+            let share = T::from_f64(window.weight(offset, patch) * plan.rows() as f64 / total);
+            for run in columns.runs() {
+                let from = run.frame + offset;
+                let masses = &plan.row(i)[run.patch..run.patch + run.count];
+                for (weight, &mass) in weights[from..from + run.count].iter_mut().zip(masses) {
+                    *weight += share * mass;
+                }
             }
         }
     }

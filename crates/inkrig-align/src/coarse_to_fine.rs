@@ -4,10 +4,10 @@
 use crate::blend::{Window, frame_weights};
 use crate::patches::{PatchScratch, normalised_self_distances, patch_distances};
 use crate::progress::{self, Observer, Progress};
-use crate::pyramid::{level_lengths, resample_rows};
-use crate::{AlignError, Options};
+use crate::pyramid::{close_loop, level_lengths, resample_frames};
+use crate::{AlignError, Layout, Norm, Options};
 use inkrig_transport::{
-    Mat, MatRef, MmSinkhorn, Params, Plan, Problem, Start, Workspace, matmul, row_softmax,
+    Mat, MatRef, MmSinkhorn, Params, Plan, Problem, Start, Workspace, matmul, matmul_transposed, row_softmax,
 };
 use serde::Serialize;
 use std::time::Instant;
@@ -27,7 +27,6 @@ pub struct Buffers {
     source_distances: Mat<f32>,
     control_distances: Mat<f32>,
     cost: Mat<f32>,
-    polished: Mat<f32>,
     weights: Mat<f32>,
 }
 
@@ -45,10 +44,51 @@ impl Buffers {
             source_distances: empty(),
             control_distances: empty(),
             cost: empty(),
-            polished: empty(),
             weights: empty(),
         }
     }
+
+    /// The blended motion of the plan in the workspace.
+    fn blend(&mut self, layouts: (&Layout, &Layout), threads: usize) -> Result<(), AlignError> {
+        let Self { transport, source, weights, blended, .. } = self;
+        blend(transport.plan().dense(), layouts, source, weights, blended, threads)
+    }
+
+    /// Scales the control's distances by the factor that minimises the Gromov-Wasserstein term at the plan in the
+    /// workspace: sum of Dy (T Dx T^T) over sum of Dy^2 p p^T. Held within a factor of 4 of where it was, since a bad
+    /// plan can ask for anything.
+    fn learn_scale(&mut self, threads: usize) -> Result<(), AlignError> {
+        let plan = self.transport.plan().dense();
+        let (mut moved, mut carried) = (Mat::default(), Mat::default());
+        matmul(plan, self.source_distances.view(), &mut moved, threads)?;
+        matmul_transposed(moved.view(), plan, &mut carried, threads)?;
+        let mass = 1.0 / (plan.rows() as f64).powi(2);
+        let (mut both, mut own) = (0.0, 0.0);
+        for (&control, &carried) in self.control_distances.as_slice().iter().zip(carried.as_slice()) {
+            both += f64::from(control) * f64::from(carried);
+            own += f64::from(control).powi(2) * mass;
+        }
+        let factor = (both / own).clamp(0.25, 4.0) as f32;
+        if factor.is_finite() {
+            self.control_distances.as_mut_slice().iter_mut().for_each(|distance| *distance *= factor);
+        }
+        Ok(())
+    }
+}
+
+/// The motion that a plan makes of the source's frames, with the rows of the control's layout.
+fn blend(
+    plan: MatRef<'_, f32>,
+    (rows, columns): (&Layout, &Layout),
+    source: &Mat<f32>,
+    weights: &mut Mat<f32>,
+    blended: &mut Mat<f32>,
+    threads: usize,
+) -> Result<(), AlignError> {
+    frame_weights(plan, (rows, columns), Window::Box, weights);
+    matmul(weights.view(), source.view(), blended, threads)?;
+    close_loop(rows, blended);
+    Ok(())
 }
 
 /// What one level did.
@@ -79,33 +119,43 @@ pub struct Matching {
     pub gradients: usize,
 }
 
-/// Matches the frames of a control (m x k) with those of a source (n x r) at the same rate. Lengths and options are
-/// checked by the caller: both have more frames than a patch.
+/// A table of frames and where its patches stand.
+#[derive(Debug, Clone, Copy)]
+pub struct Frames<'a> {
+    /// One row a frame, as many as [`Layout::rows`] says.
+    pub table: MatRef<'a, f32>,
+    /// The clips, or the loop, that the frames are.
+    pub layout: &'a Layout,
+}
+
+/// Matches the frames of a control with those of a source at the same rate. Lengths and options are checked by the
+/// caller: both have more frames than a patch.
 ///
 /// # Errors
 /// When nothing moves in the source or the control, the solver refuses, or the observer cancels.
 pub fn solve(
-    source: MatRef<'_, f32>,
-    control: MatRef<'_, f32>,
+    source: Frames<'_>,
+    control: Frames<'_>,
     options: &Options,
     buffers: &mut Buffers,
     observer: Observer<'_>,
 ) -> Result<Matching, AlignError> {
-    let (patch, threads) = (options.patch(), options.threads);
-    let lengths = |full| level_lengths(full, options.levels, options.ratio, 5 * patch);
-    let (source_lengths, control_lengths) = (lengths(source.rows()), lengths(control.rows()));
+    let threads = options.threads;
+    let source_layouts = level_layouts(source.layout, options);
+    let control_layouts = level_layouts(control.layout, options);
     let total = options.gradients();
     let (mut gradients, mut levels) = (0, Vec::with_capacity(options.levels));
     let mut scale = 1.0;
-    for (level, (&n, &m)) in source_lengths.iter().zip(&control_lengths).enumerate() {
+    for (level, (columns, rows)) in source_layouts.iter().zip(&control_layouts).enumerate() {
         let begin = Instant::now();
         let before = gradients;
         let b = &mut *buffers;
-        resample_rows(source, n, &mut b.source);
-        resample_rows(control, m, &mut b.control);
+        resample_frames(source.table, source.layout, columns, &mut b.source);
+        resample_frames(control.table, control.layout, rows, &mut b.control);
         scale = normalised_self_distances(
             b.source.view(),
-            patch,
+            columns,
+            options.source_norm,
             &mut b.scratch,
             &mut b.source_distances,
             threads,
@@ -113,7 +163,8 @@ pub fn solve(
         .ok_or(AlignError::StillClip)?;
         normalised_self_distances(
             b.control.view(),
-            patch,
+            rows,
+            options.control_norm,
             &mut b.scratch,
             &mut b.control_distances,
             threads,
@@ -129,15 +180,15 @@ pub fn solve(
                 weights(1.0),
             )?;
             gradients += first_plan(&structure, options, &mut b.transport)?;
-            blend(b.transport.plan().dense(), patch, &b.source, &mut b.weights, &mut b.blended, threads)?;
+            b.blend((rows, columns), threads)?;
         } else {
             std::mem::swap(&mut b.blended, &mut b.coarser);
-            resample_rows(b.coarser.view(), m, &mut b.blended);
+            resample_frames(b.coarser.view(), &control_layouts[level - 1], rows, &mut b.blended);
         }
         progress::report(observer, tell(gradients))?;
         for round in 0..options.rounds {
-            let (out, scratch) = (&mut b.cost, &mut b.scratch);
-            patch_distances(b.blended.view(), b.source.view(), patch, scale, scratch, out, threads)?;
+            let (motion, clip) = ((b.blended.view(), rows), (b.source.view(), columns));
+            patch_distances(motion, clip, scale, &mut b.scratch, &mut b.cost, threads)?;
             let problem = Problem::new_unchecked_values(
                 b.control_distances.view(),
                 b.source_distances.view(),
@@ -149,20 +200,32 @@ pub fn solve(
             let solver = MmSinkhorn { iterations: options.iterations, start, ..MmSinkhorn::default() };
             solver.solve(&problem, &mut b.transport)?;
             gradients += options.iterations;
-            blend(b.transport.plan().dense(), patch, &b.source, &mut b.weights, &mut b.blended, threads)?;
+            b.blend((rows, columns), threads)?;
+            if options.control_norm == Norm::Learned {
+                b.learn_scale(threads)?;
+            }
             progress::report(observer, tell(gradients))?;
         }
         levels.push(LevelRow {
             level: level + 1,
-            control_frames: m,
-            source_frames: n,
+            control_frames: rows.frames(),
+            source_frames: columns.frames(),
             gradients: gradients - before,
             seconds: begin.elapsed().as_secs_f64(),
         });
     }
-    let plan = polish(options, scale, buffers)?;
-    frame_weights(plan.dense(), patch, Window::Hann, &mut buffers.weights);
+    let plan = polish((control.layout, source.layout), scale, options, buffers)?;
+    frame_weights(plan.dense(), (control.layout, source.layout), Window::Hann, &mut buffers.weights);
     Ok(Matching { plan, weights: std::mem::take(&mut buffers.weights), levels, gradients })
+}
+
+/// The layouts of all levels, coarsest first. The longest clip keeps at least five patches' length, or its own.
+fn level_layouts(layout: &Layout, options: &Options) -> Vec<Layout> {
+    let (full, floor) = (layout.frames(), 5 * options.patch());
+    let longest = layout.parts().iter().map(std::ops::Range::len).max().unwrap_or(full).max(1);
+    let floor = (floor as f64 * full as f64 / longest as f64).ceil() as usize;
+    let lengths = level_lengths(full, options.levels, options.ratio, floor);
+    lengths.into_iter().map(|length| layout.resampled(length)).collect()
 }
 
 /// Solves the first problem, structure alone, and leaves the plan in the workspace; returns the gradients taken. The
@@ -196,38 +259,24 @@ fn first_plan(
 
 /// Match-and-blend steps that look only at nearness: every output patch is drawn to the source patches that it is
 /// most like, which takes out what averaging has blurred.
-fn polish(options: &Options, scale: f32, buffers: &mut Buffers) -> Result<Plan<f32>, AlignError> {
-    let (patch, threads) = (options.patch(), options.threads);
+fn polish(
+    (rows, columns): (&Layout, &Layout),
+    scale: f32,
+    options: &Options,
+    buffers: &mut Buffers,
+) -> Result<Plan<f32>, AlignError> {
     let b = buffers;
-    if options.polish == 0 {
-        return Ok(b.transport.take_plan());
-    }
+    let mut plan = b.transport.take_plan();
+    let layouts = (rows, columns);
     for _ in 0..options.polish {
-        patch_distances(
-            b.blended.view(),
-            b.source.view(),
-            patch,
-            scale,
-            &mut b.scratch,
-            &mut b.cost,
-            threads,
-        )?;
-        row_softmax(b.cost.view(), POLISH_TEMPERATURE, &mut b.polished)?;
-        let mass = 1.0 / b.polished.rows() as f32;
-        b.polished.as_mut_slice().iter_mut().for_each(|value| *value *= mass);
-        blend(b.polished.view(), patch, &b.source, &mut b.weights, &mut b.blended, threads)?;
+        let (motion, clip) = ((b.blended.view(), rows), (b.source.view(), columns));
+        patch_distances(motion, clip, scale, &mut b.scratch, &mut b.cost, options.threads)?;
+        let mut nearest = plan.into_mat();
+        row_softmax(b.cost.view(), POLISH_TEMPERATURE, &mut nearest)?;
+        let mass = 1.0 / nearest.rows() as f32;
+        nearest.as_mut_slice().iter_mut().for_each(|value| *value *= mass);
+        plan = Plan::from_mat(nearest);
+        blend(plan.dense(), layouts, &b.source, &mut b.weights, &mut b.blended, options.threads)?;
     }
-    Ok(Plan::from_mat(std::mem::take(&mut b.polished)))
-}
-
-fn blend(
-    plan: MatRef<'_, f32>,
-    patch: usize,
-    source: &Mat<f32>,
-    weights: &mut Mat<f32>,
-    blended: &mut Mat<f32>,
-    threads: usize,
-) -> Result<(), AlignError> {
-    frame_weights(plan, patch, Window::Box, weights);
-    Ok(matmul(weights.view(), source.view(), blended, threads)?)
+    Ok(plan)
 }

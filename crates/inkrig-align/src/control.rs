@@ -1,7 +1,7 @@
 //! What the motion shall follow.
 
 use crate::AlignError;
-use inkrig_motion::Features;
+use inkrig_motion::{Clip, FeatureOptions, Features, frame_features, time};
 use inkrig_sketch::{Curve, Ends, Timing, frame_count, resample, smooth};
 
 /// A control as the solver sees it: a table of numbers over time, never a file. Only distances between its rows
@@ -12,6 +12,20 @@ pub struct Control {
     pub features: Features,
     /// Samples a second. Matching resamples the control when this is not the matching rate.
     pub rate: f64,
+    /// Whether the last sample is followed by the first: the result is then a seamless loop.
+    pub cyclic: bool,
+    /// What it is of, which decides the presets: see [`Options::for_control`](crate::Options::for_control).
+    pub kind: ControlKind,
+}
+
+/// Kinds of control.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ControlKind {
+    /// A drawn curve, of any number of dimensions.
+    #[default]
+    Curve,
+    /// Another motion.
+    Motion,
 }
 
 /// How a drawn curve becomes a control.
@@ -34,6 +48,19 @@ impl Default for CurveOptions {
 }
 
 impl Control {
+    /// The control of another motion, of any skeleton: its frame features (MAMM Sec. 4.5). A rest-pose lead-in is
+    /// left out.
+    ///
+    /// # Errors
+    /// When the motion cannot be resampled.
+    pub fn from_motion(motion: &Clip, rate: f64, features: &FeatureOptions) -> Result<Self, AlignError> {
+        let lead_in = inkrig_motion::lead_in::rest_pose_frames(motion);
+        let motion = time::resample(&time::trim(motion, lead_in..motion.frames())?, rate)?;
+        let rate = motion.frame_rate();
+        let features = frame_features(&motion.into(), features);
+        Ok(Self { features, rate, cyclic: false, kind: ControlKind::Motion })
+    }
+
     /// The control of a drawn 2D curve: points at constant time intervals, smoothed (MAMM Sec. 4.1).
     ///
     /// # Errors
@@ -56,7 +83,12 @@ impl Control {
         let values = points
             .iter()
             .flat_map(|p| [((p[0] - mean[0]) * scale) as f32, ((p[1] - mean[1]) * scale) as f32]);
-        Ok(Self { features: Features::new(values.collect(), 2)?, rate: options.rate })
+        Ok(Self {
+            features: Features::new(values.collect(), 2)?,
+            rate: options.rate,
+            cyclic: false,
+            kind: ControlKind::Curve,
+        })
     }
 }
 

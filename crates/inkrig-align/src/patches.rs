@@ -1,5 +1,6 @@
 //! Distances between patches: overlapping windows of frames (MAMM Sec. 3.2.1, 3.2.2).
 
+use crate::{Layout, Norm};
 use inkrig_transport::{Mat, MatRef, Real, TransportError, matmul_transposed};
 
 /// Buffers that are kept between calls.
@@ -24,57 +25,57 @@ impl<T: Real> Default for PatchScratch<T> {
 
 /// L2 distances between the patches of two frame tables of equal width, times `scale`.
 ///
-/// `a` is m x r, `b` is n x r; `out` becomes (m - patch + 1) x (n - patch + 1). A patch distance is a sum of squared
-/// frame distances along a diagonal, so one matrix product of frames and `patch` additions an entry do for what
-/// would otherwise be products of patches. Tables shorter than a patch give an empty result.
+/// `a` has the rows of its layout and r columns, `b` likewise; `out` becomes patches of `a` x patches of `b`. A patch
+/// distance is a sum of squared frame distances along a diagonal, so one matrix product of frames and `patch`
+/// additions an entry do for what would otherwise be products of patches.
 ///
 /// # Errors
 /// When the tables differ in width.
 pub fn patch_distances<T: Real>(
-    a: MatRef<'_, T>,
-    b: MatRef<'_, T>,
-    patch: usize,
+    (a, rows): (MatRef<'_, T>, &Layout),
+    (b, columns): (MatRef<'_, T>, &Layout),
     scale: T,
     scratch: &mut PatchScratch<T>,
     out: &mut Mat<T>,
     threads: usize,
 ) -> Result<(), TransportError> {
-    let (rows, columns) = ((a.rows() + 1).saturating_sub(patch), (b.rows() + 1).saturating_sub(patch));
-    out.resize(rows, columns);
-    if rows == 0 || columns == 0 {
-        return Ok(());
-    }
+    out.resize(rows.patches(), columns.patches());
     squared_frame_distances(a, b, scratch, threads)?;
     let scale_squared = scale * scale;
-    for i in 0..rows {
-        let sums = out.row_mut(i);
-        sums.copy_from_slice(&scratch.frames.row(i)[..columns]);
-        for offset in 1..patch {
-            let squares = &scratch.frames.row(i + offset)[offset..offset + columns];
-            for (sum, &square) in sums.iter_mut().zip(squares) {
-                *sum += square;
+    for down in rows.runs() {
+        for i in 0..down.count {
+            for across in columns.runs() {
+                let sums = &mut out.row_mut(down.patch + i)[across.patch..across.patch + across.count];
+                for offset in 0..rows.patch() {
+                    let from = across.frame + offset;
+                    let squares = &scratch.frames.row(down.frame + i + offset)[from..from + across.count];
+                    for (sum, &square) in sums.iter_mut().zip(squares) {
+                        *sum += square;
+                    }
+                }
             }
-        }
-        for sum in sums {
-            *sum = (*sum * scale_squared).sqrt();
+            for sum in out.row_mut(down.patch + i) {
+                *sum = (*sum * scale_squared).sqrt();
+            }
         }
     }
     Ok(())
 }
 
-/// The same between the patches of one table, with an exact zero diagonal and divided by the mean over the whole
-/// matrix. Returns the factor that was applied (1 / mean), or `None` when all patches are alike.
+/// The same between the patches of one table, with an exact zero diagonal and divided by their [`Norm`]. Returns the
+/// factor that was applied, or `None` when all patches are alike.
 ///
 /// # Errors
 /// As for [`patch_distances`].
 pub fn normalised_self_distances<T: Real>(
     frames: MatRef<'_, T>,
-    patch: usize,
+    layout: &Layout,
+    norm: Norm,
     scratch: &mut PatchScratch<T>,
     out: &mut Mat<T>,
     threads: usize,
 ) -> Result<Option<T>, TransportError> {
-    patch_distances(frames, frames, patch, T::ONE, scratch, out, threads)?;
+    patch_distances((frames, layout), (frames, layout), T::ONE, scratch, out, threads)?;
     let count = out.rows();
     let mut total = 0.0;
     for i in 0..count {
@@ -88,8 +89,13 @@ pub fn normalised_self_distances<T: Real>(
     if !(mean.is_finite() && mean > noise) {
         return Ok(None);
     }
+    let size = match norm {
+        Norm::Mean | Norm::Learned => mean,
+        Norm::Max => quantile(out, 1.0),
+        Norm::Quantile => quantile(out, 0.9).max(mean),
+    };
     // A float product is symmetric only up to rounding; the solver's gradient takes symmetry as given.
-    let scale = T::from_f64(1.0 / mean);
+    let scale = T::from_f64(1.0 / size);
     for i in 0..count {
         for j in 0..i {
             let value = out.row(j)[i] * scale;
@@ -98,6 +104,13 @@ pub fn normalised_self_distances<T: Real>(
         }
     }
     Ok(Some(scale))
+}
+
+/// The distance below which a share of all distances lies.
+fn quantile<T: Real>(distances: &Mat<T>, share: f64) -> f64 {
+    let mut values: Vec<f64> = distances.as_slice().iter().map(|value| value.to_f64()).collect();
+    let rank = ((values.len() - 1) as f64 * share) as usize;
+    *values.select_nth_unstable_by(rank, f64::total_cmp).1
 }
 
 /// |a_i - b_j|^2 by the expansion |a|^2 + |b|^2 - 2 a.b, never below 0.
@@ -136,7 +149,9 @@ mod tests {
     fn running_sums_equal_whole_patches() {
         let (a, b) = (table(30, 0.1), table(41, 2.0));
         let mut out = Mat::zeros(0, 0);
-        patch_distances(a.view(), b.view(), 11, 0.5, &mut PatchScratch::new(), &mut out, 1).unwrap();
+        let (rows, columns) = (Layout::open(30, 11), Layout::open(41, 11));
+        let (a_table, b_table) = ((a.view(), &rows), (b.view(), &columns));
+        patch_distances(a_table, b_table, 0.5, &mut PatchScratch::new(), &mut out, 1).unwrap();
         assert_eq!((out.rows(), out.cols()), (20, 31));
         for i in 0..20 {
             for j in 0..31 {
@@ -157,7 +172,8 @@ mod tests {
             weight(j) / (0..columns).map(weight).sum::<f64>() / rows as f64
         });
         let mut weights = Mat::zeros(0, 0);
-        frame_weights(plan.view(), patch, Window::Box, &mut weights);
+        let layouts = (&Layout::open(rows + patch - 1, patch), &Layout::open(source.rows(), patch));
+        frame_weights(plan.view(), layouts, Window::Box, &mut weights);
         for t in 0..rows + patch - 1 {
             let (mut sum, mut count) = ([0.0; 5], 0.0);
             for i in (0..rows).filter(|&i| i <= t && t < i + patch) {
@@ -180,15 +196,29 @@ mod tests {
     fn self_distances_are_symmetric_with_mean_one_and_still_tables_have_none() {
         let mut out = Mat::zeros(0, 0);
         let frames = Mat::from_fn(60, 3, |row, column| ((row * row) as f32 * 0.01 + column as f32).sin());
-        let scale =
-            normalised_self_distances(frames.view(), 11, &mut PatchScratch::new(), &mut out, 1).unwrap();
+        let scale = normalised_self_distances(
+            frames.view(),
+            &Layout::open(60, 11),
+            Norm::Mean,
+            &mut PatchScratch::new(),
+            &mut out,
+            1,
+        )
+        .unwrap();
         assert!(scale.is_some_and(|scale| scale > 0.0));
         let mean = out.as_slice().iter().map(|&v| f64::from(v)).sum::<f64>() / 2500.0;
         assert!((mean - 1.0).abs() < 1e-5);
         assert!((0..50).all(|i| out.row(i)[i] == 0.0 && (0..50).all(|j| out.row(i)[j] == out.row(j)[i])));
         let still = Mat::from_fn(60, 3, |_, column| 1000.0 + column as f32);
-        let none =
-            normalised_self_distances(still.view(), 11, &mut PatchScratch::new(), &mut out, 1).unwrap();
+        let none = normalised_self_distances(
+            still.view(),
+            &Layout::open(60, 11),
+            Norm::Mean,
+            &mut PatchScratch::new(),
+            &mut out,
+            1,
+        )
+        .unwrap();
         assert_eq!(none, None);
     }
 }

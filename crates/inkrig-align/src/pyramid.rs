@@ -1,5 +1,6 @@
 //! Levels from coarse to fine (MAMM Sec. 3.2.5).
 
+use crate::Layout;
 use inkrig_transport::{Mat, MatRef, Real};
 
 /// Lengths of all levels, coarsest first, for a table of `full` frames: geometric from `full / ratio` to `full`, but
@@ -16,19 +17,42 @@ pub fn level_lengths(full: usize, levels: usize, ratio: f64, floor: usize) -> Ve
         .collect()
 }
 
-/// The same table with another number of rows over the same time: linear interpolation, ends kept.
-pub fn resample_rows<T: Real>(table: MatRef<'_, T>, rows: usize, out: &mut Mat<T>) {
-    out.resize(rows, table.cols());
-    let last = table.rows() - 1;
-    let step = if rows > 1 { last as f64 / (rows - 1) as f64 } else { 0.0 };
-    for row in 0..rows {
-        let place = (row as f64 * step).min(last as f64);
-        let low = place.floor() as usize;
-        let part = T::from_f64(place - low as f64);
-        let (from, to) = (table.row(low), table.row((low + 1).min(last)));
-        for ((value, &a), &b) in out.row_mut(row).iter_mut().zip(from).zip(to) {
-            *value = a + part * (b - a);
+/// The same frames over the same time in another layout: linear interpolation, within every clip from its first frame
+/// to its last, around a loop without end. `table` has the rows of layout `from`, `out` gets those of layout `to`.
+pub fn resample_frames<T: Real>(table: MatRef<'_, T>, from: &Layout, to: &Layout, out: &mut Mat<T>) {
+    out.resize(to.rows(), table.cols());
+    for (old, new) in from.parts().iter().zip(to.parts()) {
+        let (last, steps) = (old.len().saturating_sub(1), new.len().saturating_sub(1).max(1));
+        let step =
+            if from.is_cyclic() { old.len() as f64 / new.len() as f64 } else { last as f64 / steps as f64 };
+        for frame in 0..new.len() {
+            let place = frame as f64 * step;
+            let low = (place.floor() as usize).min(last);
+            let high = if from.is_cyclic() { (low + 1) % old.len() } else { (low + 1).min(last) };
+            let part = T::from_f64((place - low as f64).clamp(0.0, 1.0));
+            let (a, b) = (table.row(old.start + low), table.row(old.start + high));
+            for ((value, &a), &b) in out.row_mut(new.start + frame).iter_mut().zip(a).zip(b) {
+                *value = a + part * (b - a);
+            }
         }
+    }
+    close_loop(to, out);
+}
+
+/// Gives a table of a layout's frames the rows that [`Layout::rows`] asks for: a loop repeats its first frames.
+pub fn close_loop<T: Real>(layout: &Layout, table: &mut Mat<T>) {
+    let (frames, width) = (layout.frames(), table.cols());
+    if !layout.is_cyclic() || frames == 0 {
+        return;
+    }
+    if table.rows() != layout.rows() {
+        let mut values = std::mem::take(table).into_vec();
+        values.resize(layout.rows() * width, T::ZERO);
+        *table = Mat::from_vec(layout.rows(), width, values).unwrap_or_default();
+    }
+    for row in frames..layout.rows() {
+        let from = (row % frames) * width;
+        table.as_mut_slice().copy_within(from..from + width, row * width);
     }
 }
 
@@ -48,9 +72,20 @@ mod tests {
     fn rows_are_interpolated_and_ends_kept() {
         let table = Mat::from_vec(3, 1, vec![0.0_f64, 1.0, 4.0]).unwrap();
         let mut out = Mat::zeros(0, 0);
-        resample_rows(table.view(), 5, &mut out);
+        resample_frames(table.view(), &Layout::open(3, 2), &Layout::open(5, 2), &mut out);
         assert_eq!(out.as_slice(), [0.0, 0.5, 1.0, 2.5, 4.0]);
-        resample_rows(table.view(), 1, &mut out);
+        resample_frames(table.view(), &Layout::open(3, 2), &Layout::open(1, 2), &mut out);
         assert_eq!(out.as_slice(), [0.0]);
+    }
+
+    #[test]
+    fn loops_and_cuts_are_kept() {
+        let mut out = Mat::zeros(0, 0);
+        let ring = Mat::from_vec(3, 1, vec![0.0_f64, 2.0, 0.0]).unwrap();
+        resample_frames(ring.view(), &Layout::cyclic(2, 2), &Layout::cyclic(4, 2), &mut out);
+        assert_eq!(out.as_slice(), [0.0, 1.0, 2.0, 1.0, 0.0]);
+        let clips = Mat::from_vec(5, 1, vec![0.0_f64, 1.0, 9.0, 8.0, 7.0]).unwrap();
+        resample_frames(clips.view(), &Layout::clips(&[2, 3], 2), &Layout::clips(&[3, 2], 2), &mut out);
+        assert_eq!(out.as_slice(), [0.0, 0.5, 1.0, 9.0, 7.0]);
     }
 }

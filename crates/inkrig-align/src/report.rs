@@ -26,6 +26,9 @@ pub struct Report {
     pub freeze: f64,
     /// The same of the source itself.
     pub freeze_source: f64,
+    /// For a loop: the step from the last pose to the first over the median step. 1 cannot be told from any other step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loop_seam_ratio: Option<f64>,
     /// Solver gradients taken.
     pub gradients: usize,
     /// Wall seconds from features ready to final features: distances, all levels, polish.

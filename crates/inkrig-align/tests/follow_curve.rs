@@ -1,9 +1,11 @@
 //! The first real job from end to end: a clip and a drawn curve give a motion that follows the curve.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and prints its figures")]
 
-use inkrig_align::{AlignError, Alignment, Control, CurveOptions, Options, Preset, Report, align};
+use inkrig_align::{
+    AlignError, Alignment, Control, ControlKind, CurveOptions, Norm, Options, Preset, Report, align,
+};
 use inkrig_formats::{ImportOptions, read_bvh};
-use inkrig_motion::{Clip, Features, kinematics, time};
+use inkrig_motion::{Clip, Features, Takes, kinematics, time};
 use inkrig_sketch::{Curve, shapes};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -29,7 +31,7 @@ fn reference(path: &str) -> Option<Clip> {
 
 fn follow(clip: &Clip, curve: &Curve, options: &Options) -> Alignment {
     let control = Control::from_curve(curve, &CurveOptions::default()).unwrap();
-    let result = align(clip, &control, options, &mut |_| ControlFlow::Continue(())).unwrap();
+    let result = align(&clip.clone().into(), &control, options, &mut |_| ControlFlow::Continue(())).unwrap();
     let r = &result.report;
     println!(
         "structure {:.3} (ranks {:.3}, warp {:.3}), nearest {:.3}, coverage {:.2}, speed {:.2}, jump {:.2}, jerk {:.2}, freeze {:.2}",
@@ -124,14 +126,14 @@ fn a_run_can_be_watched_and_stopped() {
     let control = Control::from_curve(&shapes::wave(4, 150).unwrap(), &CurveOptions::default()).unwrap();
     let mut seen = Vec::new();
     let options = Options::default();
-    align(&clip, &control, &options, &mut |progress| {
+    align(&clip.clone().into(), &control, &options, &mut |progress| {
         seen.push(progress.done);
         ControlFlow::Continue(())
     })
     .unwrap();
     assert!(seen.is_sorted() && seen.last() == Some(&options.gradients()));
     let mut calls = 0;
-    let stopped = align(&clip, &control, &options, &mut |_| {
+    let stopped = align(&clip.into(), &control, &options, &mut |_| {
         calls += 1;
         if calls == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
@@ -146,7 +148,9 @@ fn what_cannot_be_aligned_is_said_with_what_to_do() {
         Control::from_curve(&shapes::wave(4, frames).unwrap(), &CurveOptions::default()).unwrap()
     };
     let message = |clip: &Clip, control: &Control, options: &Options| {
-        align(clip, control, options, &mut |_| ControlFlow::Continue(())).unwrap_err().to_string()
+        align(&clip.clone().into(), control, options, &mut |_| ControlFlow::Continue(()))
+            .unwrap_err()
+            .to_string()
     };
     let usual = Options::default();
     let short = time::trim(&clip, 0..12).unwrap();
@@ -154,13 +158,89 @@ fn what_cannot_be_aligned_is_said_with_what_to_do() {
     assert!(message(&clip, &control(15), &usual).contains("--length"));
     let still = time::sample_at(&clip, &[5.0; 100], 30.0).unwrap();
     assert!(message(&still, &control(100), &usual).contains("nothing in the clip moves"));
-    let flat = Control { features: Features::new(vec![1.0; 200], 2).unwrap(), rate: 30.0 };
+    let flat = Control {
+        features: Features::new(vec![1.0; 200], 2).unwrap(),
+        rate: 30.0,
+        cyclic: false,
+        kind: ControlKind::Curve,
+    };
     assert!(message(&clip, &flat, &usual).contains("the control does not change"));
-    let long =
-        Control { features: Features::new((0..20_000).map(|i| i as f32).collect(), 2).unwrap(), rate: 30.0 };
+    let long = Control {
+        features: Features::new((0..20_000).map(|i| i as f32).collect(), 2).unwrap(),
+        rate: 30.0,
+        cyclic: false,
+        kind: ControlKind::Curve,
+    };
     assert!(message(&clip, &long, &usual).contains("cut it with --length"));
     let bad = Options { alpha: 1.5, ..usual };
     assert!(message(&clip, &control(100), &bad).contains("alpha is 1.5, but must be from 0 to 1"));
+}
+
+#[test]
+fn a_loop_closes() {
+    // Three rounds of a circle: nowhere faster than elsewhere, so the seam can be held against the median step.
+    let angle = |i: usize| std::f64::consts::TAU * i as f64 / 80.0;
+    let circle = Curve::new((0..240).map(|i| [angle(i).cos(), angle(i).sin()]).collect()).unwrap();
+    let mut control = Control::from_curve(&circle, &CurveOptions::default()).unwrap();
+    for name in ["person", "quadruped", "snake"] {
+        let run = |control: &Control| {
+            align(&sample(name).into(), control, &Options::default(), &mut |_| ControlFlow::Continue(()))
+                .unwrap()
+        };
+        control.cyclic = false;
+        assert_eq!(run(&control).report.loop_seam_ratio, None);
+        control.cyclic = true;
+        let closed = run(&control);
+        let seam = closed.report.loop_seam_ratio.unwrap();
+        println!("{name}: seam {seam:.2}, structure {:.3}", closed.report.structure_pearson);
+        assert!(seam <= 1.5, "{name}: {seam}");
+        assert_eq!(closed.clip.frames(), 240);
+    }
+}
+
+#[test]
+fn takes_are_mixed_but_no_piece_crosses_from_one_to_the_next() {
+    let clip = sample("person");
+    let cut = [time::trim(&clip, 0..200).unwrap(), time::trim(&clip, 400..720).unwrap()];
+    let takes = Takes::join(&cut).unwrap();
+    let control =
+        Control::from_curve(&shapes::growing_circles(5, 300).unwrap(), &CurveOptions::default()).unwrap();
+    let result = align(&takes, &control, &Options::default(), &mut |_| ControlFlow::Continue(())).unwrap();
+    let both = [0.0..200.0 / 30.0, 200.0 / 30.0..520.0 / 30.0];
+    for part in both {
+        assert!(result.best_source.iter().any(|moment| part.contains(moment)), "{part:?} is not used");
+    }
+    // 201 - 11 patches of the one and 321 - 11 of the other.
+    assert_eq!(result.plan.cols(), 190 + 310);
+    assert!(result.report.structure_pearson > result.report.structure_pearson_warp + 0.3);
+    assert!(result.report.jump_q999_ratio < 2.0);
+}
+
+#[test]
+fn one_motion_follows_another_of_another_skeleton() {
+    let options = Options::for_control(ControlKind::Motion, Preset::Follow);
+    let dog = time::trim(&sample("quadruped"), 0..300).unwrap();
+    let control = Control::from_motion(&dog, 30.0, &options.features).unwrap();
+    let result =
+        align(&sample("person").into(), &control, &options, &mut |_| ControlFlow::Continue(())).unwrap();
+    let report = &result.report;
+    println!(
+        "person like a dog: structure {:.3} warp {:.3}",
+        report.structure_pearson, report.structure_pearson_warp
+    );
+    assert!(report.structure_pearson >= report.structure_pearson_warp + 0.3, "{report:?}");
+}
+
+#[test]
+fn every_norm_works_and_learning_does_no_harm() {
+    let curve = shapes::growing_circles(5, 300).unwrap();
+    let usual = follow(&sample("person"), &curve, &Options::default()).report.structure_pearson;
+    for norm in [Norm::Max, Norm::Quantile, Norm::Learned] {
+        let options = Options { control_norm: norm, source_norm: norm, ..Options::default() };
+        let report = follow(&sample("person"), &curve, &options).report;
+        println!("{norm:?}: {:.3} against {usual:.3}", report.structure_pearson);
+        assert!(report.structure_pearson > 0.4 && report.jump_q999_ratio < 3.0);
+    }
 }
 
 #[test]

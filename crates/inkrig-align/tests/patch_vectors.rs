@@ -1,6 +1,7 @@
 //! Patch distances and blending against numbers computed elsewhere, in double precision.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and says when it is skipped")]
 
+use inkrig_align::Layout;
 use inkrig_align::blend::{Window, frame_weights};
 use inkrig_align::patches::{PatchScratch, patch_distances};
 use inkrig_transport::{Mat, matmul};
@@ -31,7 +32,9 @@ fn patch_blend() {
     let (x, y) = (table(&vectors["x"]), table(&vectors["y"]));
 
     let mut distances = Mat::zeros(0, 0);
-    patch_distances(y.view(), x.view(), patch, 1.0, &mut PatchScratch::new(), &mut distances, 1).unwrap();
+    let (rows, columns) = (Layout::open(y.rows(), patch), Layout::open(x.rows(), patch));
+    let (motion, clip) = ((y.view(), &rows), (x.view(), &columns));
+    patch_distances(motion, clip, 1.0, &mut PatchScratch::new(), &mut distances, 1).unwrap();
     let error = largest_difference(&distances, &table(&vectors["patch_dist"]));
     println!("largest difference of patch distances: {error:e}");
     assert!(error < 1e-10);
@@ -40,7 +43,7 @@ fn patch_blend() {
     let mass = 1.0 / plan.rows() as f64;
     plan.as_mut_slice().iter_mut().for_each(|value| *value *= mass);
     let (mut weights, mut blended) = (Mat::zeros(0, 0), Mat::zeros(0, 0));
-    frame_weights(plan.view(), patch, Window::Box, &mut weights);
+    frame_weights(plan.view(), (&rows, &columns), Window::Box, &mut weights);
     matmul(weights.view(), x.view(), &mut blended, 1).unwrap();
     let error = largest_difference(&blended, &table(&vectors["blend"]));
     println!("largest difference of blended frames: {error:e}");

@@ -4,7 +4,9 @@
 //! ground, turning), so that a weighted mean of rows from anywhere in a clip is a pose of a continuous motion.
 
 use crate::rotation::{from_6d, to_6d};
-use crate::{Clip, Features, MotionError, Skeleton, TranslationTrack, VelocityFrame, root::RootMotion};
+use crate::{
+    Clip, Features, MotionError, Skeleton, Takes, TranslationTrack, VelocityFrame, root::RootMotion,
+};
 use glam::{Quat, Vec3};
 use std::sync::Arc;
 
@@ -28,9 +30,9 @@ pub struct PoseChannels {
 }
 
 impl PoseChannels {
-    /// The layout for a clip, and the clip's own rows (frames x width).
-    pub fn of(clip: &Clip, frame: VelocityFrame) -> (Self, Features) {
-        let root = RootMotion::of(clip);
+    /// The layout for a character's takes, and their own rows (frames x width).
+    pub fn of(takes: &Takes, frame: VelocityFrame) -> (Self, Features) {
+        let (clip, root) = (takes.clip(), RootMotion::of(takes));
         let tracks: Vec<usize> = clip
             .translations()
             .iter()
@@ -201,7 +203,7 @@ mod tests {
     fn rows_give_the_clip_back() {
         let clip = skater();
         for frame in [VelocityFrame::World, VelocityFrame::Heading] {
-            let (layout, rows) = PoseChannels::of(&clip, frame);
+            let (layout, rows) = PoseChannels::of(&clip.clone().into(), frame);
             let back = layout.to_clip(rows.as_slice(), 30.0).unwrap();
             let (expected, got) = (positions(&clip), positions(&back));
             for frame in 0..clip.frames() {
@@ -215,7 +217,7 @@ mod tests {
     #[test]
     fn a_mean_without_direction_keeps_the_pose_before() {
         let clip = skater();
-        let (layout, rows) = PoseChannels::of(&clip, VelocityFrame::World);
+        let (layout, rows) = PoseChannels::of(&clip.clone().into(), VelocityFrame::World);
         let mut values = rows.into_vec();
         let last = values.len() - 6;
         values[last..].fill(0.0);

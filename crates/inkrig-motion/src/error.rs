@@ -69,4 +69,12 @@ pub enum MotionError {
         /// Frames that the clip has.
         frames: usize,
     },
+    /// Clips that shall be joined are of different characters.
+    #[error("clip {} is of another skeleton than the first: {what}", clip + 1)]
+    OtherSkeleton {
+        /// Index of the clip.
+        clip: usize,
+        /// What differs.
+        what: String,
+    },
 }

@@ -1,6 +1,6 @@
 //! Frame features: what two frames are compared by (MAMM, SIGGRAPH 2025, Sec. 3.1).
 
-use crate::{Clip, MotionError, clip::variation, root::RootMotion, rotation::to_6d};
+use crate::{Clip, MotionError, Takes, clip::variation, root::RootMotion, rotation::to_6d};
 use glam::{Quat, Vec3};
 
 /// A table of numbers, frames x width, row by row.
@@ -101,9 +101,10 @@ pub struct FeatureOptions {
 /// V (3): root displacement since the frame before, divided by the character's size; yaw rate (1, heading frame
 /// only): radians a frame; T (3 each): other translations that vary, divided by the size; R (6 each): the first two
 /// columns of every rotation matrix but those of end sites. Width 3 + 6 J for an ordinary skeleton.
-pub fn frame_features(clip: &Clip, options: &FeatureOptions) -> Features {
+pub fn frame_features(takes: &Takes, options: &FeatureOptions) -> Features {
+    let clip = takes.clip();
     let extent = clip.skeleton().extent().max(1e-6);
-    let root = RootMotion::of(clip);
+    let root = RootMotion::of(takes);
     let (velocities, yaw_rates) = (root.velocities(), root.yaw_rates());
     let tracks: Vec<&[Vec3]> = (clip.translations().iter())
         .filter(|track| track.joint != root.joint && variation(&track.values) > 1e-4 * extent)
@@ -194,7 +195,7 @@ mod tests {
     #[test]
     fn width_and_scale() {
         let options = FeatureOptions { velocity_frame: VelocityFrame::World, ..Default::default() };
-        let features = frame_features(&walk(0.0), &options);
+        let features = frame_features(&walk(0.0).into(), &options);
         assert_eq!((features.frames(), features.width()), (20, 3 + 6 * 3));
         assert!((features.row(0)[2] - 0.01).abs() < 1e-6, "0.03 m a frame over a size of 3 m");
     }
@@ -213,7 +214,7 @@ mod tests {
                 [&straight, &turned].iter().flat_map(|clip| clip.track(0).unwrap().to_vec()).collect();
             let tracks = vec![TranslationTrack { joint: 0, values }];
             let clip = Clip::new(straight.skeleton().clone(), 30.0, rotations, tracks).unwrap();
-            frame_features(&clip, &options)
+            frame_features(&clip.into(), &options)
         };
         let (north, east) = (after_turn(0.0), after_turn(1.2));
         for frame in 21..40 {
@@ -228,7 +229,7 @@ mod tests {
     fn root_space_accumulates() {
         let options =
             FeatureOptions { rotation_space: RotationSpace::Root, velocity_frame: VelocityFrame::World };
-        let features = frame_features(&walk(0.0), &options);
+        let features = frame_features(&walk(0.0).into(), &options);
         let swing = 0.9_f32.sin();
         let hand = to_6d(Quat::from_rotation_x(2.0 * swing));
         for (got, expected) in features.row(3)[3 + 12..].iter().zip(hand) {

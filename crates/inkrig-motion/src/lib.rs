@@ -30,6 +30,7 @@ pub mod lead_in;
 pub mod root;
 pub mod rotation;
 mod skeleton;
+mod takes;
 pub mod time;
 
 pub use clip::{Clip, TranslationTrack};
@@ -37,3 +38,4 @@ pub use error::MotionError;
 pub use features::{FeatureOptions, Features, RotationSpace, VelocityFrame, frame_features};
 pub use glam;
 pub use skeleton::{Joint, Skeleton};
+pub use takes::Takes;

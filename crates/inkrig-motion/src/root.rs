@@ -1,10 +1,10 @@
 //! Root motion: how the character travels and where it is headed.
 
-use crate::{Clip, kinematics::Pose, rotation::twist_angle};
+use crate::{Takes, kinematics::Pose, rotation::twist_angle};
 use glam::{Quat, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// How the travel joint of a clip moves, in a frame whose y axis is up. Built once by [`RootMotion::of`].
+/// How the travel joint of a character moves, in a frame whose y axis is up. Built once by [`RootMotion::of`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct RootMotion {
     /// The joint that travels: see [`Clip::travel_joint`].
@@ -18,11 +18,14 @@ pub struct RootMotion {
     /// Its heading at every frame: the turn about the vertical since the first frame, radians, without jumps of a
     /// full turn (so a dancer who spins twice ends at 4 pi).
     pub headings: Vec<f32>,
+    /// First frames of the takes: no step leads into these.
+    starts: Vec<usize>,
 }
 
 impl RootMotion {
-    /// Reads the travel of a clip. What stands above the travel joint is taken as still, as it is in its first frame.
-    pub fn of(clip: &Clip) -> Self {
+    /// Reads the travel of one or more takes. What stands above the travel joint is taken as still, as it is in its first frame.
+    pub fn of(takes: &Takes) -> Self {
+        let clip = takes.clip();
         let joint = clip.travel_joint();
         let mut pose = Pose::new(clip.skeleton());
         pose.set(clip, 0);
@@ -39,20 +42,29 @@ impl RootMotion {
         let rotations: Vec<Quat> =
             (0..clip.frames()).map(|frame| world_from_parent * clip.rotations(frame)[joint]).collect();
         let headings = headings(&rotations);
-        Self { joint, world_from_parent, places, rotations, headings }
+        let starts = takes.ranges().map(|range| range.start).collect();
+        Self { joint, world_from_parent, places, rotations, headings, starts }
     }
 
-    /// Displacement since the frame before, metres a frame; the first is a copy of the second.
+    /// Displacement since the frame before, metres a frame; the first of a take is a copy of its second.
     pub fn velocities(&self) -> Vec<Vec3> {
-        let mut steps: Vec<Vec3> = self.places.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        steps.insert(0, steps.first().copied().unwrap_or(Vec3::ZERO));
-        steps
+        self.steps(&self.places, |from, to| to - from)
     }
 
-    /// Turn about the vertical since the frame before, radians a frame; the first is a copy of the second.
+    /// Turn about the vertical since the frame before, radians a frame; the first of a take is a copy of its second.
     pub fn yaw_rates(&self) -> Vec<f32> {
-        let mut steps: Vec<f32> = self.headings.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        steps.insert(0, steps.first().copied().unwrap_or(0.0));
+        self.steps(&self.headings, |from, to| to - from)
+    }
+
+    fn steps<T: Copy + Default>(&self, values: &[T], step: impl Fn(T, T) -> T) -> Vec<T> {
+        let mut steps: Vec<T> = std::iter::once(T::default())
+            .chain(values.windows(2).map(|pair| step(pair[0], pair[1])))
+            .take(values.len())
+            .collect();
+        for (index, &start) in self.starts.iter().enumerate() {
+            let end = self.starts.get(index + 1).copied().unwrap_or(values.len());
+            steps[start] = if start + 1 < end { steps[start + 1] } else { T::default() };
+        }
         steps
     }
 }
@@ -79,7 +91,7 @@ pub fn wrap_angle(angle: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Joint, Skeleton, TranslationTrack};
+    use crate::{Clip, Joint, Skeleton, TranslationTrack};
     use std::sync::Arc;
 
     #[test]
@@ -89,7 +101,7 @@ mod tests {
             (0..50).map(|f| Quat::from_rotation_y(0.3 * f as f32) * Quat::from_rotation_x(0.2)).collect();
         let values = (0..50).map(|f| Vec3::new(0.0, 1.0, 0.1 * f as f32)).collect();
         let clip = Clip::new(skeleton, 30.0, rotations, vec![TranslationTrack { joint: 0, values }]).unwrap();
-        let root = RootMotion::of(&clip);
+        let root = RootMotion::of(&clip.into());
         assert!((root.headings[49] - 14.7).abs() < 1e-3);
         assert!(root.velocities()[0].distance(Vec3::Z * 0.1) < 1e-6);
         assert!((root.yaw_rates()[0] - 0.3).abs() < 1e-4);
@@ -110,7 +122,7 @@ mod tests {
             rotations,
             vec![TranslationTrack { joint: 1, values }],
         );
-        let root = RootMotion::of(&clip.unwrap());
+        let root = RootMotion::of(&clip.unwrap().into());
         assert!(root.places[0].distance(Vec3::Y) < 1e-6);
         assert!((root.headings[1] - 0.5).abs() < 1e-5);
     }

@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// The clip's poses at other places in time, its steps over the ground added up anew.
 fn rearranged(source: &Clip, places: &[f64]) -> Result<Clip, MotionError> {
-    let (layout, rows) = PoseChannels::of(source, VelocityFrame::Heading);
+    let (layout, rows) = PoseChannels::of(&source.clone().into(), VelocityFrame::Heading);
     let picked = places.iter().flat_map(|&place| rows.row(place.round() as usize).iter().copied());
     layout.to_clip(&picked.collect::<Vec<f32>>(), source.frame_rate())
 }

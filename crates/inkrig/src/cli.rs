@@ -28,7 +28,7 @@ pub enum Command {
     /// Write a finished example to a folder and say what to open
     #[command(after_help = "Examples:\n  inkrig demo\n  inkrig demo my-folder")]
     Demo(DemoArgs),
-    /// Re-arrange a clip so that it follows a drawn curve
+    /// Re-arrange a clip so that it follows a drawn curve or another motion
     #[command(after_help = ALIGN_EXAMPLES)]
     Align(Box<AlignArgs>),
     /// Say what is in a motion file: skeleton, frames, unit, problems
@@ -52,6 +52,8 @@ Examples:
       only the first twenty seconds, nearer to the clip's own poses, with a page to look at
   inkrig align horse.bvh --curve eight.json --length 12s -o new.bvh --sheet new.png --report new.json
       twelve seconds, with a contact sheet and the numbers
+  inkrig align walk.bvh run.bvh --like horse.bvh --loop -o new.bvh
+      two clips of one skeleton move as a horse does, in a loop
 
 Curves: JSON ([[x,y],...] or [[x,y,t],...]), CSV (x,y or x,y,t; n rows without t are n frames of 30 a second), SVG (its paths).";
 
@@ -100,16 +102,19 @@ pub enum Up {
 /// Arguments of `inkrig align`.
 #[derive(Debug, Args)]
 pub struct AlignArgs {
-    /// The clip to arrange: a BVH file with any skeleton
-    #[arg(value_hint = ValueHint::FilePath)]
-    pub clip: PathBuf,
-    /// The curve to follow: JSON, CSV or SVG
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub curve: PathBuf,
+    /// The clip to arrange: a BVH file with any skeleton; or several of one skeleton
+    #[arg(value_name = "CLIP", required = true, value_hint = ValueHint::FilePath)]
+    pub clips: Vec<PathBuf>,
+    #[command(flatten)]
+    /// What to follow.
+    pub control: ControlArgs,
     /// The file to write
     #[arg(long, short, value_name = "OUT.bvh", value_hint = ValueHint::FilePath)]
     pub out: PathBuf,
-    /// Use only a part of the clip: frames of the file or seconds
+    /// Make a loop: the end goes over into the beginning
+    #[arg(long = "loop")]
+    pub cyclic: bool,
+    /// Use only a part of the clip (of every clip): frames of the file or seconds
     #[arg(long, value_name = "FROM..TO")]
     pub range: Option<Span>,
     /// Length of the result: frames of 30 a second, or seconds; else the curve's own
@@ -165,6 +170,9 @@ pub struct AlignArgs {
     /// Another seed finds another of the equally good solutions
     #[arg(long, default_value_t = 0, help_heading = "Fine tuning")]
     pub seed: u64,
+    /// By what distances within the clip and within the control are scaled [default: mean; for --like quantile]
+    #[arg(long, value_enum, help_heading = "Fine tuning")]
+    pub norm: Option<NormArg>,
     /// Compare and carry travel along world axes, or relative to where the character is headed
     #[arg(long, value_enum, help_heading = "Fine tuning")]
     pub velocity: Option<VelocityArg>,
@@ -178,6 +186,38 @@ pub struct AlignArgs {
     #[command(flatten)]
     /// How to read the clip.
     pub import: ImportArgs,
+}
+
+/// What a motion can follow: one of these.
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+pub struct ControlArgs {
+    /// Follow a drawn curve: JSON, CSV or SVG
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "What to follow")]
+    pub curve: Option<PathBuf>,
+    /// Follow another motion, of any skeleton
+    #[arg(long, value_name = "FILE.bvh", value_hint = ValueHint::FilePath, help_heading = "What to follow")]
+    pub like: Option<PathBuf>,
+}
+
+impl ControlArgs {
+    /// The file that is followed.
+    pub fn file(&self) -> Option<&PathBuf> {
+        self.curve.as_ref().or(self.like.as_ref())
+    }
+}
+
+/// Ways to scale distances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum NormArg {
+    /// By their mean.
+    Mean,
+    /// By their largest.
+    Max,
+    /// By their 90th percentile.
+    Quantile,
+    /// By their mean; the control's are then fitted to the motion's.
+    Learned,
 }
 
 /// Presets of align.

@@ -45,6 +45,14 @@ pub enum CliError {
         /// Where and what.
         source: Box<FormatError>,
     },
+    /// A clip that cannot be used as asked.
+    #[error("{path}: {source}")]
+    Clip {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        source: MotionError,
+    },
     /// A drawing that cannot be understood.
     #[error("{path}: {source}")]
     Curve {

@@ -10,7 +10,7 @@
 //! let curve = sketch::read_curve(samples::find("spiral").unwrap().bytes, sketch::Format::Json)?;
 //! let control = Control::from_curve(&curve, &CurveOptions { samples: Some(120), ..CurveOptions::default() })?;
 //! let options = Options { levels: 3, ..Options::default() };
-//! let result = align(&clip, &control, &options, &mut |_| std::ops::ControlFlow::Continue(()))?;
+//! let result = align(&clip.into(), &control, &options, &mut |_| std::ops::ControlFlow::Continue(()))?;
 //! assert_eq!(result.clip.frames(), 120);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

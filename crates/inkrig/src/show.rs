@@ -33,7 +33,7 @@ pub(crate) fn page(title: &str, alignment: &Alignment, control: &Control) -> Str
     preview::render(&Preview {
         title,
         result: &alignment.clip,
-        source: &alignment.source,
+        source: alignment.source.clip(),
         control: ControlView::Curve(&points),
         control_rate: control.rate,
         heat_map: HeatMap { width, height, values: alignment.plan.heat_map(width, height) },

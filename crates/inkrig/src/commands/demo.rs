@@ -66,7 +66,7 @@ fn scene(folder: &Path, motion: &Sample, curve: &Sample, console: &Console) -> R
     let control = Control::from_curve(&read, &CurveOptions::default())?;
     let alignment = {
         let bar = console.bar("aligning");
-        align(&import.clip, &control, &Options::default(), &mut |progress| bar.update(progress))?
+        align(&import.clip.into(), &control, &Options::default(), &mut |progress| bar.update(progress))?
     };
     let name = format!("{}-follows-{}", motion.name, curve.name);
     let scene = Scene {

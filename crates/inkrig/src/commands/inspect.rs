@@ -54,7 +54,7 @@ struct JointFacts {
 impl Facts {
     fn of(import: &Import) -> Self {
         let (clip, skeleton) = (&import.clip, import.clip.skeleton());
-        let root = RootMotion::of(clip);
+        let root = RootMotion::of(&clip.clone().into());
         let travel: f32 = root.places.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
         let findings = |severity| {
             import
