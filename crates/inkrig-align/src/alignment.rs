@@ -6,15 +6,18 @@ use crate::measures::{Dynamics, Structure, nearness, structure};
 use crate::patches::{PatchScratch, normalised_self_distances, patch_distances};
 use crate::progress::Observer;
 use crate::pyramid::{close_loop, resample_frames};
-use crate::reconstruct::blend_clip;
-use crate::report::{Report, notes};
+use crate::reconstruct::{blend_clip, frames_per_sample};
+use crate::report::{Report, StageRow, notes};
 use crate::{AlignError, Layout, Norm, Options, pca};
-use inkrig_motion::{Clip, Features, Takes, frame_features, lead_in, time};
+use inkrig_motion::{Clip, FeatureLayout, Features, Takes, lead_in, time};
 use inkrig_transport::{Isa, Mat, MatRef, Plan};
 use std::time::Instant;
 
-/// Frames at the matching rate that the dense solver takes: about 1 GB of tables.
-pub const MOST_FRAMES: usize = 5000;
+/// Frames at the matching rate that the dense solver takes: its tables then need about 1.4 GB.
+pub const MOST_FRAMES: usize = 4000;
+
+/// Frames x joints that a result may have.
+const MOST_CELLS: f64 = 1e8;
 
 /// A motion that follows a control, and how it came about.
 #[derive(Debug, Clone)]
@@ -46,52 +49,88 @@ pub fn align(
     observer: Observer<'_>,
 ) -> Result<Alignment, AlignError> {
     options.validate()?;
-    let begin = Instant::now();
+    control.validate()?;
+    let mut clock = Clock::start();
     let (source, rest_pose_frames) = without_lead_ins(source)?;
-    let matched = source.resample(options.matching_rate)?;
+    check_lengths(&source, control, options)?;
+    let matched = source.decimate(options.matching_rate)?;
     let lengths: Vec<usize> = matched.ranges().map(|range| range.len()).collect();
     let columns = Layout::clips(&lengths, options.patch());
     let (drawn, rows) = at_rate(control, options);
-    check_lengths(&columns, &rows, options)?;
+    let layout = FeatureLayout::of(&matched, &options.features);
+    let features = layout.features(&matched);
+    clock.stage("features");
 
-    let features = frame_features(&matched, &options.features);
-    let solving = Instant::now();
     let reduced = pca::reduce(table(&features)?, pca::FEATURE_ENERGY, options.threads)?;
+    clock.stage("principal subspace");
     let mut buffers = Buffers::new(options.threads);
     let frames = Frames { table: reduced.frames.view(), layout: &columns };
-    let matching =
-        solve(frames, Frames { table: drawn.view(), layout: &rows }, options, &mut buffers, observer)?;
-    let solve_seconds = solving.elapsed().as_secs_f64();
+    let drawing = Frames { table: drawn.view(), layout: &rows };
+    let matching = solve(frames, drawing, options, &mut buffers, observer)?;
+    clock.stage("matching");
+    let solve_seconds = clock.since("features");
 
     let clip = blend_clip(&source, &matched, &matching.weights, control.cyclic, options.travel)?;
     let (best_source, confidence) = most_used(&matching.weights, options.matching_rate);
-    let measured = Measured::of(&source, &clip, (&features, &columns), (&drawn, &rows), options)?;
+    clock.stage("reconstruction");
+    let measured = Measured::of(&source, &clip, &layout, (&features, &columns), (&drawn, &rows), options)?;
+    clock.stage("measuring");
+    let (result, original) = (&measured.result, &measured.original);
+    let slow = 0.1 * original.speed_mean();
     let mut report = Report {
         structure_pearson: measured.structure.pearson,
         structure_spearman: measured.structure.spearman,
         structure_pearson_warp: measured.warp.pearson,
         nearest_patch: measured.nearness.nearest_patch,
         coverage: measured.nearness.coverage,
-        speed_mean_ratio: ratio(measured.result.speed_mean(), measured.original.speed_mean()),
-        jump_q999_ratio: ratio(measured.result.speed_q999, measured.original.speed_q999),
-        jerk_ratio: ratio(measured.result.jerk, measured.original.jerk),
-        freeze: measured.result.slower_than(0.1 * measured.original.speed_mean()),
-        freeze_source: measured.original.slower_than(0.1 * measured.original.speed_mean()),
+        speed_mean_ratio: ratio(result.speed_mean(), original.speed_mean()),
+        jump_q999_ratio: ratio(result.speed_q999, original.speed_q999),
+        jerk_ratio: ratio(result.jerk, original.jerk),
+        freeze: result.slower_than(slow),
+        freeze_source: original.slower_than(slow),
+        loop_seam_ratio: control.cyclic.then(|| result.seam(&clip, layout.travel_joint())),
         gradients: matching.gradients,
         solve_seconds,
-        total_seconds: 0.0,
+        total_seconds: clock.total(),
         source_frames: columns.frames(),
         control_frames: rows.frames(),
         rest_pose_frames,
         feature_energy: reduced.energy,
         instruction_set: Isa::current().name(),
-        loop_seam_ratio: control.cyclic.then(|| measured.result.seam(&clip)),
         notes: Vec::new(),
+        stages: clock.stages,
         levels: matching.levels,
     };
-    report.notes = notes(&report);
-    report.total_seconds = begin.elapsed().as_secs_f64();
+    report.notes = notes(&report, options);
     Ok(Alignment { clip, source, plan: matching.plan, best_source, confidence, report })
+}
+
+/// Wall time of the stages of a run.
+struct Clock {
+    begin: Instant,
+    stages: Vec<StageRow>,
+}
+
+impl Clock {
+    fn start() -> Self {
+        Self { begin: Instant::now(), stages: Vec::new() }
+    }
+
+    /// Ends a stage that began where the one before it ended.
+    fn stage(&mut self, name: &'static str) {
+        let before: f64 = self.stages.iter().map(|stage| stage.seconds).sum();
+        self.stages.push(StageRow { name, seconds: self.total() - before });
+    }
+
+    /// Seconds of the stages after a named one.
+    fn since(&self, name: &str) -> f64 {
+        let after = self.stages.iter().skip_while(|stage| stage.name != name).skip(1);
+        after.map(|stage| stage.seconds).sum()
+    }
+
+    fn total(&self) -> f64 {
+        self.begin.elapsed().as_secs_f64()
+    }
 }
 
 /// Results measured on the finished clip, not on the solver's own numbers.
@@ -107,6 +146,7 @@ impl Measured {
     fn of(
         source: &Takes,
         result: &Clip,
+        layout: &FeatureLayout,
         (features, columns): (&Features, &Layout),
         (control, rows): (&Mat<f32>, &Layout),
         options: &Options,
@@ -118,16 +158,18 @@ impl Measured {
             (empty(), empty(), empty(), empty(), empty());
         normalised_self_distances(control.view(), rows, Norm::Mean, &mut scratch, &mut of_control, threads)?
             .ok_or(AlignError::StillControl)?;
-        let frames = (table(features)?, columns);
+        // Centred, so that squares of what all frames have in common do not eat the digits of what differs.
+        let means = column_means(features);
+        let frames = centred(features, &means);
+        let frames = (frames.view(), columns);
         let scale =
             normalised_self_distances(frames.0, columns, Norm::Mean, &mut scratch, &mut of_source, threads)?
                 .ok_or(AlignError::StillClip)?;
         // The result at the matching rate, one frame a control sample.
-        let step = result.frame_rate() / options.matching_rate;
+        let step = frames_per_sample(result.frame_rate(), options.matching_rate);
         let places: Vec<f64> = (0..rows.frames()).map(|sample| sample as f64 * step).collect();
         let matched = time::sample_at(result, &places, options.matching_rate)?;
-        let own_features = frame_features(&matched.into(), &options.features);
-        let mut own = table(&own_features)?.to_mat();
+        let mut own = centred(&layout.features(&matched.into()), &means);
         close_loop(rows, &mut own);
         let own = (own.view(), rows);
         patch_distances(own, own, scale, &mut scratch, &mut of_result, threads)?;
@@ -140,11 +182,11 @@ impl Measured {
         let stretched = (stretched.view(), &even);
         patch_distances(stretched, stretched, scale, &mut scratch, &mut of_warp, threads)?;
         Ok(Self {
-            structure: structure(&of_control, &of_result),
-            warp: structure(&of_control, &of_warp),
+            structure: structure(&of_control, &of_result, rows.patch()),
+            warp: structure(&of_control, &of_warp, rows.patch()),
             nearness: nearness(&cross, &of_source),
-            result: Dynamics::of(result),
-            original: Dynamics::of(source.clip()),
+            result: Dynamics::of(result, layout.travel_joint()),
+            original: Dynamics::of(source.clip(), layout.travel_joint()),
         })
     }
 }
@@ -169,8 +211,6 @@ fn without_lead_ins(takes: &Takes) -> Result<(Takes, usize), AlignError> {
 /// The control's rows at the matching rate, and its layout.
 fn at_rate(control: &Control, options: &Options) -> (Mat<f32>, Layout) {
     let features = &control.features;
-    let frames = (features.frames() as f64 * options.matching_rate / control.rate).round().max(1.0) as usize;
-    let frames = frames.min(MOST_FRAMES + 1);
     let layout = |frames| {
         if control.cyclic {
             Layout::cyclic(frames, options.patch())
@@ -178,7 +218,7 @@ fn at_rate(control: &Control, options: &Options) -> (Mat<f32>, Layout) {
             Layout::open(frames, options.patch())
         }
     };
-    let (from, to) = (layout(features.frames()), layout(frames));
+    let (from, to) = (layout(features.frames()), layout(control.frames(options.matching_rate)));
     let mut table =
         Mat::from_fn(features.frames(), features.width(), |row, column| features.row(row)[column]);
     close_loop(&from, &mut table);
@@ -187,21 +227,41 @@ fn at_rate(control: &Control, options: &Options) -> (Mat<f32>, Layout) {
     (out, to)
 }
 
-fn check_lengths(source: &Layout, control: &Layout, options: &Options) -> Result<(), AlignError> {
-    let patch = options.patch();
+fn column_means(features: &Features) -> Vec<f32> {
+    let mut sums = vec![0.0_f64; features.width()];
+    for frame in 0..features.frames() {
+        sums.iter_mut().zip(features.row(frame)).for_each(|(sum, &value)| *sum += f64::from(value));
+    }
+    sums.into_iter().map(|sum| (sum / features.frames() as f64) as f32).collect()
+}
+
+fn centred(features: &Features, means: &[f32]) -> Mat<f32> {
+    Mat::from_fn(features.frames(), features.width(), |row, column| features.row(row)[column] - means[column])
+}
+
+/// Says what is too short or too long before anything is made of that length.
+fn check_lengths(source: &Takes, control: &Control, options: &Options) -> Result<(), AlignError> {
+    let (patch, rate) = (options.patch(), options.matching_rate);
     let needed = 2 * patch;
-    let longest = source.parts().iter().map(std::ops::Range::len).max().unwrap_or(0);
+    let clip_rate = source.clip().frame_rate();
+    let matched = |frames: usize| (frames.saturating_sub(1) as f64 * rate / clip_rate) as usize + 1;
+    let longest = source.ranges().map(|range| matched(range.len())).max().unwrap_or(0);
     if longest < needed {
-        return Err(AlignError::ClipTooShort { frames: longest, rate: options.matching_rate, patch, needed });
+        return Err(AlignError::ClipTooShort { frames: longest, rate, patch, needed });
     }
-    if control.frames() < needed {
-        return Err(AlignError::ControlTooShort { frames: control.frames(), patch, needed });
+    let drawn = control.frames(rate);
+    if drawn < needed {
+        return Err(AlignError::ControlTooShort { frames: drawn, patch, needed });
     }
-    let limits = [("the clip", source.frames(), "--range"), ("the control", control.frames(), "--length")];
-    for (what, frames, cut) in limits {
+    let all = source.ranges().map(|range| matched(range.len())).sum();
+    for (what, frames, cut) in [("the clip", all, "--range"), ("the control", drawn, "--length")] {
         if frames > MOST_FRAMES {
             return Err(AlignError::TooLong { what, frames, most: MOST_FRAMES, cut });
         }
+    }
+    let cells = (drawn as f64 * clip_rate / rate) * source.clip().skeleton().len() as f64;
+    if cells > MOST_CELLS {
+        return Err(AlignError::TooFine { rate: clip_rate, joints: source.clip().skeleton().len() });
     }
     Ok(())
 }
@@ -219,6 +279,7 @@ fn most_used(weights: &Mat<f32>, rate: f64) -> (Vec<f32>, Vec<f32>) {
         .unzip()
 }
 
+/// 1 where the source has none of it: nothing was lost and nothing came up.
 fn ratio(a: f64, b: f64) -> f64 {
-    if b > 0.0 { a / b } else { 0.0 }
+    if b > 0.0 { a / b } else { 1.0 }
 }

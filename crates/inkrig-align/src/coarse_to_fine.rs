@@ -179,7 +179,9 @@ pub fn solve(
                 None,
                 weights(1.0),
             )?;
-            gradients += first_plan(&structure, options, &mut b.transport)?;
+            gradients += first_plan(&structure, options, &mut b.transport, |done| {
+                progress::report(observer, tell(done))
+            })?;
             b.blend((rows, columns), threads)?;
         } else {
             std::mem::swap(&mut b.blended, &mut b.coarser);
@@ -214,7 +216,12 @@ pub fn solve(
             seconds: begin.elapsed().as_secs_f64(),
         });
     }
-    let plan = polish((control.layout, source.layout), scale, options, buffers)?;
+    let plan = polish((control.layout, source.layout), scale, options, buffers, || {
+        progress::report(
+            observer,
+            Progress { level: options.levels, levels: options.levels, done: total, total },
+        )
+    })?;
     frame_weights(plan.dense(), (control.layout, source.layout), Window::Hann, &mut buffers.weights);
     Ok(Matching { plan, weights: std::mem::take(&mut buffers.weights), levels, gradients })
 }
@@ -235,12 +242,13 @@ fn first_plan(
     problem: &Problem<'_, f32>,
     options: &Options,
     transport: &mut Workspace<f32>,
+    mut tell: impl FnMut(usize) -> Result<(), AlignError>,
 ) -> Result<usize, AlignError> {
     let starts = options.starts as u64;
     let mut best: Option<(f64, Plan<f32>)> = None;
-    for start in 0..starts {
+    for number in 0..starts {
         // Seed 0 is the independent plan itself; other seeds look elsewhere.
-        let start = Start::Perturbed(options.seed.wrapping_mul(starts).wrapping_add(start));
+        let start = Start::Perturbed(options.seed.wrapping_mul(starts).wrapping_add(number));
         let scout =
             MmSinkhorn { iterations: options.scouting, start, trace: usize::MAX, ..MmSinkhorn::default() };
         let trace = scout.solve(problem, transport)?;
@@ -248,6 +256,7 @@ fn first_plan(
         if best.as_ref().is_none_or(|(least, _)| objective < *least) {
             best = Some((objective, transport.take_plan()));
         }
+        tell((number as usize + 1) * options.scouting)?;
     }
     if let Some((_, plan)) = best {
         transport.resume(&plan);
@@ -264,11 +273,13 @@ fn polish(
     scale: f32,
     options: &Options,
     buffers: &mut Buffers,
+    mut go_on: impl FnMut() -> Result<(), AlignError>,
 ) -> Result<Plan<f32>, AlignError> {
     let b = buffers;
     let mut plan = b.transport.take_plan();
     let layouts = (rows, columns);
     for _ in 0..options.polish {
+        go_on()?;
         let (motion, clip) = ((b.blended.view(), rows), (b.source.view(), columns));
         patch_distances(motion, clip, scale, &mut b.scratch, &mut b.cost, options.threads)?;
         let mut nearest = plan.into_mat();

@@ -1,6 +1,6 @@
 //! What the motion shall follow.
 
-use crate::AlignError;
+use crate::{AlignError, MOST_FRAMES};
 use inkrig_motion::{Clip, FeatureOptions, Features, frame_features, time};
 use inkrig_sketch::{Curve, Ends, Timing, frame_count, resample, smooth};
 
@@ -48,6 +48,19 @@ impl Default for CurveOptions {
 }
 
 impl Control {
+    /// Its length at another rate, in samples, at least 1.
+    pub fn frames(&self, rate: f64) -> usize {
+        (self.features.frames() as f64 * rate / self.rate).round().max(1.0) as usize
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), AlignError> {
+        if self.rate.is_finite() && self.rate > 0.0 {
+            Ok(())
+        } else {
+            Err(AlignError::Option { name: "the control's rate", value: self.rate, range: "above 0" })
+        }
+    }
+
     /// The control of another motion, of any skeleton: its frame features (MAMM Sec. 4.5). A rest-pose lead-in is
     /// left out.
     ///
@@ -55,7 +68,13 @@ impl Control {
     /// When the motion cannot be resampled.
     pub fn from_motion(motion: &Clip, rate: f64, features: &FeatureOptions) -> Result<Self, AlignError> {
         let lead_in = inkrig_motion::lead_in::rest_pose_frames(motion);
-        let motion = time::resample(&time::trim(motion, lead_in..motion.frames())?, rate)?;
+        let motion = time::trim(motion, lead_in..motion.frames())?;
+        let frames = time::resampled_frames(&motion, rate);
+        if frames > MOST_FRAMES {
+            let what = "the motion to be like";
+            return Err(AlignError::TooLong { what, frames, most: MOST_FRAMES, cut: "another file" });
+        }
+        let motion = time::decimate(&motion, rate)?;
         let rate = motion.frame_rate();
         let features = frame_features(&motion.into(), features);
         Ok(Self { features, rate, cyclic: false, kind: ControlKind::Motion })
@@ -70,6 +89,10 @@ impl Control {
         const TIMELESS: f64 = 10.0;
         let own = || frame_count(curve, options.rate).unwrap_or((TIMELESS * options.rate).round() as usize);
         let samples = options.samples.unwrap_or_else(own);
+        if samples > MOST_FRAMES {
+            let cut = "--length";
+            return Err(AlignError::TooLong { what: "the control", frames: samples, most: MOST_FRAMES, cut });
+        }
         let timing = options.timing.unwrap_or_else(|| Timing::automatic(curve, samples));
         let points = smooth(&resample(curve, samples, timing)?, options.smooth, Ends::Open)?;
         // Centred in f64: a small drawing far from the origin would lose its digits in f32.

@@ -48,6 +48,16 @@ pub enum AlignError {
         /// The flag that cuts it.
         cut: &'static str,
     },
+    /// The result would have more poses than can be held.
+    #[error(
+        "at {rate} frames a second and {joints} joints the result would be too large: give --source-fps if the clip's rate is wrong, or a shorter --length"
+    )]
+    TooFine {
+        /// The clip's frames a second.
+        rate: f64,
+        /// Its joints.
+        joints: usize,
+    },
     /// Nothing in the clip changes.
     #[error("nothing in the clip moves, so there is nothing to arrange: give a clip with motion in it")]
     StillClip,

@@ -28,4 +28,4 @@ pub use error::AlignError;
 pub use layout::{Layout, Run};
 pub use options::{Norm, Options, Preset};
 pub use progress::{Observer, Progress};
-pub use report::Report;
+pub use report::{Report, StageRow};

@@ -5,10 +5,7 @@ use inkrig_motion::glam::Quat;
 use inkrig_motion::{Clip, kinematics, root::RootMotion};
 use inkrig_transport::Mat;
 
-/// Pairs of patches closer in time than this share frames and say nothing of structure (patches of 11 frames).
-const LEAST_LAG: usize = 10;
-
-/// Correlation of two distance tables of equal size over pairs of patches more than 10 apart.
+/// Correlation of two distance tables of equal size over pairs of patches that share no frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Structure {
     /// Pearson's coefficient, -1..=1.
@@ -17,11 +14,11 @@ pub struct Structure {
     pub spearman: f64,
 }
 
-/// How well the distances within a motion follow those within its control. Both tables are N x N; 0 when one of
-/// them is constant or there is no pair far enough apart.
-pub fn structure(control: &Mat<f32>, motion: &Mat<f32>) -> Structure {
+/// How well the distances within a motion follow those within its control. Both tables are N x N, of patches of
+/// `patch` frames; 0 when one of them is constant or there is no pair far enough apart.
+pub fn structure(control: &Mat<f32>, motion: &Mat<f32>, patch: usize) -> Structure {
     let pairs = |table: &Mat<f32>| -> Vec<f32> {
-        (0..table.rows()).flat_map(|i| table.row(i).iter().skip(i + LEAST_LAG + 1).copied()).collect()
+        (0..table.rows()).flat_map(|i| table.row(i).iter().skip(i + patch).copied()).collect()
     };
     let (a, b) = (pairs(control), pairs(motion));
     Structure { pearson: pearson(&a, &b), spearman: pearson(&ranks(&a), &ranks(&b)) }
@@ -105,9 +102,12 @@ pub struct Dynamics {
 }
 
 impl Dynamics {
-    /// Dynamics of a clip; zeros when it is too short to have any.
-    pub fn of(clip: &Clip) -> Self {
-        let positions = kinematics::positions(clip).relative_to(clip.travel_joint());
+    /// Dynamics of a clip, relative to its travelling joint; zeros when it is too short to have any.
+    ///
+    /// # Panics
+    /// When there is no such joint.
+    pub fn of(clip: &Clip, travel_joint: usize) -> Self {
+        let positions = kinematics::positions(clip).relative_to(travel_joint);
         let rate = clip.frame_rate() as f32;
         let joints = positions.joints() as f32;
         let mut speeds = Vec::new();
@@ -140,13 +140,13 @@ impl Dynamics {
     /// For a clip that shall loop: the mean distance of joints from the last pose to the first, over the median of the
     /// clip's own steps. A loop may travel and turn: the first pose is taken as it comes after the last, turned on at
     /// the rate that the clip has at its ends.
-    pub fn seam(&self, clip: &Clip) -> f64 {
+    pub fn seam(&self, clip: &Clip, travel_joint: usize) -> f64 {
         let last = clip.frames() - 1;
         if last == 0 {
             return 0.0;
         }
-        let positions = kinematics::positions(clip).relative_to(clip.travel_joint());
-        let headings = RootMotion::of(&clip.clone().into()).headings;
+        let positions = kinematics::positions(clip).relative_to(travel_joint);
+        let headings = RootMotion::of_joint(&clip.clone().into(), travel_joint).headings;
         let rate = 0.5 * (headings[last] - headings[last - 1] + headings[1] - headings[0]);
         let turn_on = Quat::from_rotation_y(headings[last] + rate - headings[0]);
         let pairs = positions.frame(0).iter().zip(positions.frame(last));
@@ -187,10 +187,10 @@ mod tests {
 
     #[test]
     fn structure_sees_only_pairs_far_apart() {
-        let near = |i: usize, j: usize| i.abs_diff(j) <= LEAST_LAG;
+        let near = |i: usize, j: usize| i.abs_diff(j) <= 10;
         let a = Mat::from_fn(30, 30, |i, j| i.abs_diff(j) as f32);
         let b = Mat::from_fn(30, 30, |i, j| if near(i, j) { -100.0 } else { (i.abs_diff(j) as f32).powi(3) });
-        let structure = structure(&a, &b);
+        let structure = structure(&a, &b, 11);
         assert!((structure.spearman - 1.0).abs() < 1e-9);
         assert!(structure.pearson > 0.9 && structure.pearson < 1.0);
     }
@@ -206,10 +206,10 @@ mod tests {
 
     #[test]
     fn dynamics_do_not_depend_on_the_rate_and_see_a_freeze() {
-        let (slow, fast) = (Dynamics::of(&swinging(4.0, 30.0)), Dynamics::of(&swinging(4.0, 120.0)));
+        let (slow, fast) = (Dynamics::of(&swinging(4.0, 30.0), 0), Dynamics::of(&swinging(4.0, 120.0), 0));
         assert!((slow.speed_mean() / fast.speed_mean() - 1.0).abs() < 0.02);
         assert!((slow.jerk / fast.jerk - 1.0).abs() < 0.1);
         let still = inkrig_motion::time::sample_at(&swinging(4.0, 30.0), &[7.0; 50], 30.0).unwrap();
-        assert_eq!(Dynamics::of(&still).slower_than(0.01), 1.0);
+        assert_eq!(Dynamics::of(&still, 0).slower_than(0.01), 1.0);
     }
 }

@@ -4,7 +4,6 @@ use crate::AlignError;
 use inkrig_motion::channels::PoseChannels;
 use inkrig_motion::{Clip, Takes, VelocityFrame, time::whole_ratio};
 use inkrig_transport::Mat;
-use std::ops::Range;
 
 /// Weights below this are rounding, not motion.
 const LEAST_WEIGHT: f32 = 1e-5;
@@ -27,55 +26,87 @@ pub fn blend_clip(
 ) -> Result<Clip, AlignError> {
     let (layout, rows) = PoseChannels::of(source, travel);
     let rate = source.clip().frame_rate();
-    let matching_rate = matched.clip().frame_rate();
-    // Source frames per matched frame; exact where frames were picked, so that no interpolation creeps in.
-    let step = whole_ratio(rate, matching_rate).map_or(rate / matching_rate, |whole| whole as f64);
+    let step = frames_per_sample(rate, matched.clip().frame_rate());
+    let rows_of_weights: Vec<Vec<(usize, f32)>> =
+        (0..weights.rows()).map(|row| kept(weights.row(row))).collect();
     let frames = (weights.rows() as f64 * step).round().max(1.0) as usize;
-    let takes: Vec<(Range<usize>, Range<usize>)> = matched.ranges().zip(source.ranges()).collect();
     let mut out = vec![0.0_f32; frames * layout.width()];
-    let mut share = vec![0.0_f32; source.clip().frames()];
+    let mut shares = Shares::new(source, matched);
     for (frame, values) in out.chunks_exact_mut(layout.width()).enumerate() {
         // After its last row a loop goes on to its first; anything else stays where it is.
         let last = (weights.rows() - 1) as f64;
         let place = (frame as f64 / step).min(if cyclic { last + 1.0 - 1e-9 } else { last });
         let row = place.floor() as usize;
         let part = place - row as f64;
-        share.fill(0.0);
-        spread(weights.row(row), 1.0 - part, &takes, |column| (column as f64 + part) * step, &mut share);
+        shares.add(&rows_of_weights[row], 1.0 - part, step, part);
         if part > 0.0 {
-            let next = weights.row((row + 1) % weights.rows());
-            spread(next, part, &takes, |column| (column as f64 + part - 1.0) * step, &mut share);
+            shares.add(&rows_of_weights[(row + 1) % weights.rows()], part, step, part - 1.0);
         }
-        let total: f32 = share.iter().sum();
-        for (index, &weight) in share.iter().enumerate().filter(|(_, weight)| **weight > 0.0) {
-            let weight = weight / total;
+        shares.take(|index, weight| {
             for (value, &channel) in values.iter_mut().zip(rows.row(index)) {
                 *value += weight * channel;
             }
-        }
+        });
     }
     Ok(layout.to_clip(&out, rate)?)
 }
 
-/// Adds a row of weights to the frames of the source that stand at the moments given, in frames since the beginning
-/// of the take, shared between neighbours. What would lie outside of the take falls on its first or last frame.
-fn spread(
-    weights: &[f32],
-    factor: f64,
-    takes: &[(Range<usize>, Range<usize>)],
-    moment: impl Fn(usize) -> f64,
-    share: &mut [f32],
-) {
-    for (matched, own) in takes {
-        let last = own.len().saturating_sub(1);
-        let part_of_row = weights[matched.clone()].iter().enumerate();
-        for (column, &weight) in part_of_row.filter(|(_, weight)| **weight > LEAST_WEIGHT) {
-            let place = moment(column).clamp(0.0, last as f64);
+/// Frames of a clip per matched frame; exact where frames were picked, so that no interpolation creeps in.
+pub fn frames_per_sample(rate: f64, matching_rate: f64) -> f64 {
+    whole_ratio(rate, matching_rate).map_or(rate / matching_rate, |whole| whole as f64)
+}
+
+/// The columns of a row whose weight is more than rounding.
+fn kept(row: &[f32]) -> Vec<(usize, f32)> {
+    row.iter().copied().enumerate().filter(|(_, weight)| *weight > LEAST_WEIGHT).collect()
+}
+
+/// The shares that the source's frames have in one output frame.
+struct Shares {
+    /// First matched frame, first own frame and last own frame of every take.
+    takes: Vec<(usize, usize, usize)>,
+    share: Vec<f32>,
+    used: Vec<usize>,
+}
+
+impl Shares {
+    fn new(source: &Takes, matched: &Takes) -> Self {
+        let takes = matched
+            .ranges()
+            .zip(source.ranges())
+            .map(|(matched, own)| (matched.start, own.start, own.end - 1));
+        Self { takes: takes.collect(), share: vec![0.0; source.clip().frames()], used: Vec::new() }
+    }
+
+    /// Adds weights of matched frames, each moved by `shift` matched frames and shared between its two neighbours at
+    /// the source's own rate. What would lie outside of a take falls on its first or last frame.
+    fn add(&mut self, weights: &[(usize, f32)], factor: f64, step: f64, shift: f64) {
+        for &(column, weight) in weights {
+            let after = self.takes.partition_point(|take| take.0 <= column);
+            let (begin, first, last) = self.takes[after - 1];
+            let place = (((column - begin) as f64 + shift) * step).clamp(0.0, (last - first) as f64);
             let low = place.floor() as usize;
             let part = (place - low as f64) as f32;
             let weight = factor as f32 * weight;
-            share[own.start + low] += weight * (1.0 - part);
-            share[own.start + (low + 1).min(last)] += weight * part;
+            self.put(first + low, weight * (1.0 - part));
+            self.put((first + low + 1).min(last), weight * part);
+        }
+    }
+
+    fn put(&mut self, frame: usize, weight: f32) {
+        if weight > 0.0 {
+            if self.share[frame] == 0.0 {
+                self.used.push(frame);
+            }
+            self.share[frame] += weight;
+        }
+    }
+
+    /// Hands out the shares, made to sum to 1, and forgets them.
+    fn take(&mut self, mut give: impl FnMut(usize, f32)) {
+        let total: f32 = self.used.iter().map(|&frame| self.share[frame]).sum();
+        for frame in self.used.drain(..) {
+            give(frame, std::mem::take(&mut self.share[frame]) / total);
         }
     }
 }
@@ -88,7 +119,7 @@ mod tests {
     /// Every matched frame takes just itself.
     fn through(clip: &Clip) -> Clip {
         let source = Takes::from(clip.clone());
-        let matched = source.resample(30.0).unwrap();
+        let matched = source.decimate(30.0).unwrap();
         let frames = matched.clip().frames();
         let identity = Mat::from_fn(frames, frames, |row, column| f32::from(u8::from(row == column)));
         blend_clip(&source, &matched, &identity, false, VelocityFrame::World).unwrap()

@@ -1,5 +1,6 @@
 //! What came out, in flat numbers with stable names.
 
+use crate::Options;
 use crate::coarse_to_fine::LevelRow;
 use serde::Serialize;
 
@@ -47,12 +48,23 @@ pub struct Report {
     pub instruction_set: &'static str,
     /// What a reader should know: too little material, jumps, freezing, frames left out.
     pub notes: Vec<String>,
+    /// Wall time of every stage, in order.
+    pub stages: Vec<StageRow>,
     /// One row a level.
     pub levels: Vec<LevelRow>,
 }
 
+/// What one stage of a run took.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StageRow {
+    /// Its name.
+    pub name: &'static str,
+    /// Seconds of wall time.
+    pub seconds: f64,
+}
+
 /// Notes on a result that a person would otherwise find out by looking.
-pub(crate) fn notes(report: &Report) -> Vec<String> {
+pub(crate) fn notes(report: &Report, options: &Options) -> Vec<String> {
     let mut notes = Vec::new();
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     match report.rest_pose_frames {
@@ -64,10 +76,24 @@ pub(crate) fn notes(report: &Report) -> Vec<String> {
         }
     }
     if report.speed_mean_ratio < 0.5 || report.freeze > report.freeze_source + 0.2 {
+        let blurred = options.epsilon > 2.0 * Options::default().epsilon;
+        let advice = if blurred {
+            "Many poses are mixed into one: give a smaller --epsilon."
+        } else {
+            "The control asks for more variety than the clip has, or changes too slowly: give a longer or more varied \
+             clip, a shorter --length, or a larger --lambda (0.3)."
+        };
         notes.push(format!(
             "Too little material: the result stands nearly still for {} of the time (mean speed {:.2} of the clip's). \
-             The control asks for more variety than the clip has: give a longer or more varied clip, or a larger --lambda (0.3).",
+             {advice}",
             percent(report.freeze),
+            report.speed_mean_ratio
+        ));
+    }
+    if report.speed_mean_ratio > 2.0 {
+        notes.push(format!(
+            "The body moves {:.1} times as fast as in the clip: the control asks for its liveliest parts only, or too \
+             much in too little time. A longer --length slows it down.",
             report.speed_mean_ratio
         ));
     }

@@ -5,7 +5,8 @@ use inkrig_align::{
     AlignError, Alignment, Control, ControlKind, CurveOptions, Norm, Options, Preset, Report, align,
 };
 use inkrig_formats::{ImportOptions, read_bvh};
-use inkrig_motion::{Clip, Features, Takes, kinematics, time};
+use inkrig_motion::glam::{Quat, Vec3};
+use inkrig_motion::{Clip, Features, Joint, Skeleton, Takes, TranslationTrack, kinematics, time};
 use inkrig_sketch::{Curve, shapes};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -241,6 +242,58 @@ fn every_norm_works_and_learning_does_no_harm() {
         println!("{norm:?}: {:.3} against {usual:.3}", report.structure_pearson);
         assert!(report.structure_pearson > 0.4 && report.jump_q999_ratio < 3.0);
     }
+}
+
+#[test]
+fn a_clip_of_every_collection_can_be_aligned() {
+    let files = [
+        "bandai-namco-1-noncommercial/dataset-1_dance-short_normal_001.bvh",
+        "bandai-namco-1-noncommercial/dataset-1_walk_normal_001.bvh",
+        "accad-attribution/female1/Female1_D5_RandomStuff2.bvh",
+        "accad-attribution/male1/Male1_B10_WalkTurnLeft45.bvh",
+        "cmu/35/35_05.bvh",
+        "cmu/131/131_02.bvh",
+        "cmu-dance/indian/04.bvh",
+        "cmu-dance/martial/08.bvh",
+    ];
+    for file in files {
+        let Some(clip) = reference(file) else { return };
+        let clip = time::trim(&clip, 0..clip.frames().min(900)).unwrap();
+        println!("{file}");
+        let report = follow(&clip, &shapes::growing_circles(4, 200).unwrap(), &Options::default()).report;
+        assert!(report.structure_pearson > report.structure_pearson_warp + 0.2, "{file}: {report:?}");
+        assert!(report.nearest_patch < 0.5 && report.jump_q999_ratio < 3.0, "{file}: {report:?}");
+    }
+}
+
+#[test]
+fn a_still_root_above_the_hips_changes_nothing() {
+    let clip = sample("person");
+    let skeleton = clip.skeleton();
+    let mut joints = vec![Joint::new("world", None, Vec3::new(3.0, 0.0, -2.0))];
+    joints.extend(
+        skeleton
+            .joints()
+            .iter()
+            .cloned()
+            .map(|joint| Joint { parent: Some(joint.parent.map_or(0, |parent| parent + 1)), ..joint }),
+    );
+    let rotations = (0..clip.frames())
+        .flat_map(|frame| std::iter::once(Quat::IDENTITY).chain(clip.rotations(frame).iter().copied()))
+        .collect();
+    let tracks =
+        clip.translations().iter().map(|track| TranslationTrack { joint: track.joint + 1, ..track.clone() });
+    let skeleton = Skeleton::new(joints).unwrap();
+    let below = Clip::new(skeleton.into(), clip.frame_rate(), rotations, tracks.collect()).unwrap();
+    let curve = shapes::growing_circles(5, 300).unwrap();
+    let (plain, lifted) =
+        (follow(&clip, &curve, &Options::default()), follow(&below, &curve, &Options::default()));
+    assert!((plain.report.structure_pearson - lifted.report.structure_pearson).abs() < 1e-3);
+    for frame in 0..300 {
+        assert!(lifted.clip.rotations(frame)[0].dot(Quat::IDENTITY).abs() > 1.0 - 1e-6, "the root stays");
+    }
+    let (a, b) = (plain.clip.track(0).unwrap()[0], lifted.clip.track(1).unwrap()[0]);
+    assert!(a.distance(b) < 1e-3, "{a} {b}");
 }
 
 #[test]

@@ -96,72 +96,92 @@ pub struct FeatureOptions {
     pub velocity_frame: VelocityFrame,
 }
 
-/// Features of every frame: `[V | yaw rate | T | R]`.
+/// What the features of a character are made of, decided once from a source so that every motion of that character
+/// gets the same columns: `[V | yaw rate | T | R]`.
 ///
-/// V (3): root displacement since the frame before, divided by the character's size; yaw rate (1, heading frame
-/// only): radians a frame; T (3 each): other translations that vary, divided by the size; R (6 each): the first two
-/// columns of every rotation matrix but those of end sites. Width 3 + 6 J for an ordinary skeleton.
-pub fn frame_features(takes: &Takes, options: &FeatureOptions) -> Features {
-    let clip = takes.clip();
-    let extent = clip.skeleton().extent().max(1e-6);
-    let root = RootMotion::of(takes);
-    let (velocities, yaw_rates) = (root.velocities(), root.yaw_rates());
-    let tracks: Vec<&[Vec3]> = (clip.translations().iter())
-        .filter(|track| track.joint != root.joint && variation(&track.values) > 1e-4 * extent)
-        .map(|track| track.values.as_slice())
-        .collect();
-    let heading_frame = options.velocity_frame == VelocityFrame::Heading;
-    let mut values = Vec::new();
-    let mut space = RootSpace::new(clip, root.joint);
-    for frame in 0..clip.frames() {
-        let facing =
-            if heading_frame { Quat::from_rotation_y(-root.headings[frame]) } else { Quat::IDENTITY };
-        values.extend_from_slice(&(facing * velocities[frame] / extent).to_array());
-        if heading_frame {
-            values.push(yaw_rates[frame]);
-        }
-        for track in &tracks {
-            values.extend_from_slice(&(track[frame] / extent).to_array());
-        }
-        let local = clip.rotations(frame);
-        let rotations = match options.rotation_space {
-            RotationSpace::Local => local,
-            RotationSpace::Root => space.accumulate(clip, local),
-        };
-        for (index, joint) in clip.skeleton().joints().iter().enumerate() {
-            if index == root.joint {
-                values.extend_from_slice(&to_6d(facing * root.rotations[frame]));
-            } else if !joint.end_site {
-                values.extend_from_slice(&to_6d(rotations[index]));
+/// V (3): displacement of the travelling joint since the frame before, divided by the character's size; yaw rate (1,
+/// heading frame only): radians a frame; T (3 each): other translations that vary in the source, divided by the size,
+/// those of other roots relative to the travelling joint; R (6 each): the first two columns of every rotation matrix
+/// but those of end sites. Width 3 + 6 J for an ordinary skeleton.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FeatureLayout {
+    options: FeatureOptions,
+    travel_joint: usize,
+    above: Vec<bool>,
+    tracks: Vec<usize>,
+    size: f32,
+}
+
+impl FeatureLayout {
+    /// The layout for a source.
+    pub fn of(takes: &Takes, options: &FeatureOptions) -> Self {
+        let clip = takes.clip();
+        let travel_joint = clip.travel_joint();
+        let extent = clip.skeleton().extent();
+        // A figure without size is as large as its way.
+        let way = clip.track(travel_joint).map_or(0.0, variation);
+        let size = [extent, way, 1.0].into_iter().find(|size| *size > 1e-6).unwrap_or(1.0);
+        let tracks = (clip.translations().iter())
+            .filter(|track| track.joint != travel_joint && variation(&track.values) > 1e-4 * size)
+            .map(|track| track.joint)
+            .collect();
+        let above = clip.skeleton().ancestors(travel_joint);
+        Self { options: *options, travel_joint, above, tracks, size }
+    }
+
+    /// The joint that carries the character through the world.
+    pub fn travel_joint(&self) -> usize {
+        self.travel_joint
+    }
+
+    /// Features of every frame of a motion of that character.
+    ///
+    /// # Panics
+    /// When the motion's skeleton has fewer joints than the source's.
+    pub fn features(&self, takes: &Takes) -> Features {
+        let clip = takes.clip();
+        let joints = clip.skeleton().joints();
+        let root = RootMotion::of_joint(takes, self.travel_joint);
+        let (velocities, yaw_rates) = (root.velocities(), root.yaw_rates());
+        let heading_frame = self.options.velocity_frame == VelocityFrame::Heading;
+        let other_root = |joint: usize| joints[joint].parent.is_none() && !self.above[joint];
+        let mut values = Vec::new();
+        let mut rotations = vec![Quat::IDENTITY; joints.len()];
+        for frame in 0..clip.frames() {
+            let facing =
+                if heading_frame { Quat::from_rotation_y(-root.headings[frame]) } else { Quat::IDENTITY };
+            values.extend_from_slice(&(facing * velocities[frame] / self.size).to_array());
+            if heading_frame {
+                values.push(yaw_rates[frame]);
+            }
+            for &joint in &self.tracks {
+                let value = clip.track(joint).map_or(joints[joint].offset, |track| track[frame]);
+                let seen = if other_root(joint) { facing * (value - root.places[frame]) } else { value };
+                values.extend_from_slice(&(seen / self.size).to_array());
+            }
+            let local = clip.rotations(frame);
+            for (index, joint) in joints.iter().enumerate() {
+                let own = if other_root(index) { facing * local[index] } else { local[index] };
+                rotations[index] = match (joint.parent, self.options.rotation_space) {
+                    _ if index == self.travel_joint => Quat::IDENTITY,
+                    (Some(parent), RotationSpace::Root) => (rotations[parent] * own).normalize(),
+                    _ => own,
+                };
+                if index == self.travel_joint {
+                    values.extend_from_slice(&to_6d(facing * root.rotations[frame]));
+                } else if !joint.end_site {
+                    values.extend_from_slice(&to_6d(rotations[index]));
+                }
             }
         }
+        let width = values.len() / clip.frames();
+        Features::from_parts(values, width)
     }
-    let width = values.len() / clip.frames();
-    Features::from_parts(values, width)
 }
 
-/// Rotations accumulated from the travel joint down.
-struct RootSpace {
-    root: usize,
-    rotations: Vec<Quat>,
-}
-
-impl RootSpace {
-    fn new(clip: &Clip, root: usize) -> Self {
-        Self { root, rotations: vec![Quat::IDENTITY; clip.skeleton().len()] }
-    }
-
-    fn accumulate(&mut self, clip: &Clip, local: &[Quat]) -> &[Quat] {
-        for (index, joint) in clip.skeleton().joints().iter().enumerate() {
-            self.rotations[index] = match joint.parent {
-                Some(_) if index == self.root => Quat::IDENTITY,
-                None if index == self.root => Quat::IDENTITY,
-                None => local[index],
-                Some(parent) => (self.rotations[parent] * local[index]).normalize(),
-            };
-        }
-        &self.rotations
-    }
+/// Features of every frame of takes that stand for themselves: see [`FeatureLayout`].
+pub fn frame_features(takes: &Takes, options: &FeatureOptions) -> Features {
+    FeatureLayout::of(takes, options).features(takes)
 }
 
 #[cfg(test)]

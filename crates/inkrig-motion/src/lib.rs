@@ -35,7 +35,7 @@ pub mod time;
 
 pub use clip::{Clip, TranslationTrack};
 pub use error::MotionError;
-pub use features::{FeatureOptions, Features, RotationSpace, VelocityFrame, frame_features};
+pub use features::{FeatureLayout, FeatureOptions, Features, RotationSpace, VelocityFrame, frame_features};
 pub use glam;
 pub use skeleton::{Joint, Skeleton};
 pub use takes::Takes;

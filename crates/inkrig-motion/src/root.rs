@@ -11,6 +11,8 @@ pub struct RootMotion {
     pub joint: usize,
     /// Turns the space of the travel joint's parent so that y is up there too. Identity for an ordinary root.
     pub world_from_parent: Quat,
+    /// Where the travel joint's parent is, metres; the origin for an ordinary root.
+    pub parent_in_world: Vec3,
     /// Its place at every frame, metres, y up.
     pub places: Vec<Vec3>,
     /// Its rotation at every frame, y up.
@@ -25,25 +27,32 @@ pub struct RootMotion {
 impl RootMotion {
     /// Reads the travel of one or more takes. What stands above the travel joint is taken as still, as it is in its first frame.
     pub fn of(takes: &Takes) -> Self {
+        Self::of_joint(takes, takes.clip().travel_joint())
+    }
+
+    /// The same for a given joint: one that travels in another motion of the same skeleton.
+    ///
+    /// # Panics
+    /// When the skeleton has no such joint.
+    pub fn of_joint(takes: &Takes, joint: usize) -> Self {
         let clip = takes.clip();
-        let joint = clip.travel_joint();
         let mut pose = Pose::new(clip.skeleton());
         pose.set(clip, 0);
         let joints = clip.skeleton().joints();
         let parent = joints[joint].parent;
         let world_from_parent = parent.map_or(Quat::IDENTITY, |parent| pose.rotations[parent]);
-        let origin = parent.map_or(Vec3::ZERO, |parent| pose.positions[parent]);
+        let parent_in_world = parent.map_or(Vec3::ZERO, |parent| pose.positions[parent]);
         let places = (0..clip.frames())
             .map(|frame| {
                 let local = clip.track(joint).map_or(joints[joint].offset, |values| values[frame]);
-                origin + world_from_parent * local
+                parent_in_world + world_from_parent * local
             })
             .collect();
         let rotations: Vec<Quat> =
             (0..clip.frames()).map(|frame| world_from_parent * clip.rotations(frame)[joint]).collect();
         let headings = headings(&rotations);
         let starts = takes.ranges().map(|range| range.start).collect();
-        Self { joint, world_from_parent, places, rotations, headings, starts }
+        Self { joint, world_from_parent, parent_in_world, places, rotations, headings, starts }
     }
 
     /// Displacement since the frame before, metres a frame; the first of a take is a copy of its second.

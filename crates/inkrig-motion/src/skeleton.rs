@@ -84,6 +84,17 @@ impl Skeleton {
         depths
     }
 
+    /// Which joints stand above a joint, the joint itself not included.
+    pub fn ancestors(&self, joint: usize) -> Vec<bool> {
+        let mut above = vec![false; self.len()];
+        let mut next = self.joints.get(joint).and_then(|joint| joint.parent);
+        while let Some(index) = next {
+            above[index] = true;
+            next = self.joints[index].parent;
+        }
+        above
+    }
+
     /// Where the joints are when nothing is turned, in metres, each root at its own offset.
     pub fn rest_positions(&self) -> Vec<Vec3> {
         let mut positions: Vec<Vec3> = Vec::with_capacity(self.len());

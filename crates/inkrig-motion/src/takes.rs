@@ -73,12 +73,12 @@ impl Takes {
         self.starts.len()
     }
 
-    /// The same takes at another frame rate, each resampled on its own: see [`time::resample`].
+    /// The same takes at about another frame rate, each on its own: see [`time::decimate`].
     ///
     /// # Errors
     /// When the frame rate is not usable.
-    pub fn resample(&self, frame_rate: f64) -> Result<Self, MotionError> {
-        let takes = self.ranges().map(|range| time::resample(&time::trim(&self.clip, range)?, frame_rate));
+    pub fn decimate(&self, frame_rate: f64) -> Result<Self, MotionError> {
+        let takes = self.ranges().map(|range| time::decimate(&time::trim(&self.clip, range)?, frame_rate));
         Self::join(&takes.collect::<Result<Vec<_>, _>>()?)
     }
 }
@@ -128,7 +128,7 @@ mod tests {
         let takes = Takes::join(&[clip(31, 30.0, 1.0, true), clip(61, 60.0, 1.001, false)]).unwrap();
         assert_eq!(takes.ranges().collect::<Vec<_>>(), [0..31, 31..62]);
         assert_eq!(takes.clip().track(0).unwrap()[40], Vec3::ZERO);
-        let slow = takes.resample(10.0).unwrap();
+        let slow = takes.decimate(10.0).unwrap();
         assert_eq!(slow.ranges().collect::<Vec<_>>(), [0..11, 11..22]);
     }
 

@@ -4,9 +4,9 @@ use crate::{Clip, MotionError, TranslationTrack};
 use glam::Quat;
 use std::ops::Range;
 
-/// The clip at another frame rate over the same time. When the old rate is a multiple of the new one (to a
-/// thousandth), frames are picked and nothing is interpolated; otherwise rotations are slerped along the shorter
-/// arc and translations interpolated linearly. The first frame stays; the last is the last that fits.
+/// The clip at exactly another frame rate over the same time. When the old rate is a multiple of the new one, frames
+/// are picked and nothing is interpolated; otherwise rotations are slerped along the shorter arc and translations
+/// interpolated linearly. The first frame stays; the last is the last that fits.
 ///
 /// # Errors
 /// When `frame_rate` is outside [`Clip::FRAME_RATES`].
@@ -15,13 +15,34 @@ pub fn resample(clip: &Clip, frame_rate: f64) -> Result<Clip, MotionError> {
         return Err(MotionError::FrameRate(frame_rate));
     }
     let ratio = clip.frame_rate() / frame_rate;
-    if let Some(step) = whole_ratio(clip.frame_rate(), frame_rate) {
-        let frames: Vec<usize> = (0..clip.frames()).step_by(step).collect();
-        return pick(clip, &frames, clip.frame_rate() / step as f64);
+    if ratio.round() >= 1.0 && (ratio / ratio.round() - 1.0).abs() < 1e-6 {
+        let frames: Vec<usize> = (0..clip.frames()).step_by(ratio.round() as usize).collect();
+        return pick(clip, &frames, frame_rate);
     }
-    let count = ((clip.frames() - 1) as f64 / ratio + 1e-6).floor() as usize + 1;
-    let places: Vec<f64> = (0..count).map(|index| index as f64 * ratio).collect();
+    let places: Vec<f64> =
+        (0..resampled_frames(clip, frame_rate)).map(|index| index as f64 * ratio).collect();
     sample_at(clip, &places, frame_rate)
+}
+
+/// The clip at about another frame rate, for comparing motions: as [`resample`], but where the old rate is nearly a
+/// multiple of the new one (to a thousandth, as 59.94 of 30) frames are picked, and the result's rate is what that
+/// gives.
+///
+/// # Errors
+/// When `frame_rate` is outside [`Clip::FRAME_RATES`].
+pub fn decimate(clip: &Clip, frame_rate: f64) -> Result<Clip, MotionError> {
+    match whole_ratio(clip.frame_rate(), frame_rate) {
+        Some(step) => {
+            let frames: Vec<usize> = (0..clip.frames()).step_by(step).collect();
+            pick(clip, &frames, clip.frame_rate() / step as f64)
+        }
+        None => resample(clip, frame_rate),
+    }
+}
+
+/// How many frames the clip has at another frame rate, without making them.
+pub fn resampled_frames(clip: &Clip, frame_rate: f64) -> usize {
+    ((clip.frames() - 1) as f64 * frame_rate / clip.frame_rate() + 1e-6).floor() as usize + 1
 }
 
 /// How many frames of `rate` make one frame of `slower`, when that is a whole number to a thousandth.
@@ -108,10 +129,12 @@ mod tests {
     #[test]
     fn whole_ratios_pick_frames() {
         let clip = turning(9, 120.00048);
-        let slow = resample(&clip, 30.0).unwrap();
+        let slow = decimate(&clip, 30.0).unwrap();
         assert_eq!(slow.frames(), 3);
         assert_eq!(slow.rotations(1), clip.rotations(4));
         assert!((slow.frame_rate() - 30.00012).abs() < 1e-9);
+        let exact = resample(&clip, 30.0).unwrap();
+        assert_eq!((exact.frame_rate(), exact.frames(), resampled_frames(&clip, 30.0)), (30.0, 2, 2));
     }
 
     #[test]

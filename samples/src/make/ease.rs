@@ -1,5 +1,7 @@
 //! Timing: eases, keyed curves, and smoothing that shifts nothing in time.
 
+use std::f64::consts::PI;
+
 /// The minimum-jerk ease from 0 to 1 (Flash and Hogan 1985): speed and acceleration are 0 at both ends.
 /// `part` outside of 0..=1 is clamped.
 pub fn min_jerk(part: f64) -> f64 {
@@ -11,6 +13,21 @@ pub fn min_jerk(part: f64) -> f64 {
 pub fn smooth_step(part: f64) -> f64 {
     let x = part.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
+}
+
+/// An ease from 0 to 1 that coasts at even speed between two ramps, each `ramp` (0..=0.5) of the way long: the speed is
+/// a cosine-tapered (Tukey) window. Speed and acceleration are 0 at both ends and never jump; the highest speed,
+/// 1 / (1 - ramp), stays below that of [`min_jerk`]. `part` outside of 0..=1 is clamped.
+pub fn coast(part: f64, ramp: f64) -> f64 {
+    let x = part.clamp(0.0, 1.0);
+    if x > 0.5 {
+        return 1.0 - coast(1.0 - x, ramp);
+    }
+    if x < ramp {
+        0.5 * (x - ramp / PI * (PI * x / ramp).sin()) / (1.0 - ramp)
+    } else {
+        (x - 0.5 * ramp) / (1.0 - ramp)
+    }
 }
 
 /// How far `time` is from `start` to `end`, 0..=1.
@@ -144,8 +161,20 @@ mod tests {
     }
 
     #[test]
+    fn a_coast_has_an_even_middle_and_no_jump_of_acceleration() {
+        const STEP: f64 = 1e-3;
+        let values: Vec<f64> = (-3..=1003).map(|i| coast(STEP * f64::from(i), 0.35)).collect();
+        let speeds: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]) / STEP).collect();
+        assert!(speeds.iter().all(|&speed| speed > -1e-9 && speed < 1.0 / 0.65 + 1e-9));
+        let changes: Vec<f64> = speeds.windows(2).map(|pair| (pair[1] - pair[0]) / STEP).collect();
+        let jump = changes.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        // The smooth step's acceleration jumps by 6 at its ends.
+        assert!(jump < 0.1, "{jump}");
+    }
+
+    #[test]
     fn eases_begin_and_end_still() {
-        for ease in [min_jerk, smooth_step] {
+        for ease in [min_jerk, smooth_step, |part| coast(part, 0.35)] {
             assert_eq!((ease(-1.0), ease(0.0), ease(1.0), ease(2.0)), (0.0, 0.0, 1.0, 1.0));
             assert!(ease(1e-4) < 1e-6 && 1.0 - ease(1.0 - 1e-4) < 1e-6);
         }

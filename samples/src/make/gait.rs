@@ -62,7 +62,7 @@ impl Gait {
             kind: Keys::new(kind),
             active: Keys::new(active),
             // A large dog's: cycles a second, and the part of a cycle that a foot stands, by speed.
-            frequency: Keys::new(&[(0.0, 1.15), (0.95, 1.05), (2.3, 1.75), (5.5, 2.35), (7.0, 2.5)]),
+            frequency: Keys::new(&[(0.0, 1.15), (0.95, 1.05), (2.3, 1.7), (5.5, 2.0), (7.0, 2.15)]),
             duty: Keys::new(&[(0.0, 0.72), (0.95, 0.64), (2.3, 0.44), (5.5, 0.25), (7.0, 0.22)]),
             cycles: vec![0.0],
         };

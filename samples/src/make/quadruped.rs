@@ -5,16 +5,18 @@
 
 mod hound;
 mod paws;
+mod settle;
+mod swing;
 mod trail;
 
 use super::{
-    ease::{Keys, gaussian, lag, lowest, window},
+    ease::{Keys, gaussian, lag, window},
     figure::{FRAME_RATE, Pose, Rig, ahead, left_of, turn},
     gait::Gait,
 };
 use hound::{HIP_HEIGHT, SHOULDER_HEIGHT, TRUNK};
 use inkrig_motion::{Clip, MotionError, glam::DVec3};
-use paws::{Paths, Paw};
+use paws::{Paths, Paw, Plant};
 use std::f64::consts::TAU;
 
 /// Length of the clip, seconds.
@@ -37,6 +39,9 @@ pub fn clip() -> Result<Clip, MotionError> {
 
 /// Everything that varies over time, one value a frame.
 struct Trunk {
+    times: Vec<f64>,
+    /// Where and when the legs stand, and from this and the trunk the paws of all frames.
+    plants: [Vec<Plant>; 4],
     paws: [Vec<Paw>; 4],
     hips: Vec<DVec3>,
     /// Heading of the hips, of the chest, and of the head, which looks ahead of the curve; radians.
@@ -67,9 +72,9 @@ fn gait() -> Gait {
             (3.0, 0.95),
             (3.8, 2.1),
             (5.3, 2.4),
-            (6.3, 5.0),
-            (7.6, 5.6),
-            (8.7, 4.6),
+            (6.3, 4.7),
+            (7.6, 5.1),
+            (8.7, 4.3),
             (9.4, 2.5),
             (10.4, 2.0),
             (11.0, 0.9),
@@ -111,8 +116,8 @@ impl Trunk {
         let mut pitch = Vec::new();
         let mut rise = Vec::new();
         for (frame, &time) in times.iter().enumerate() {
-            let low = 0.035 * (speed[frame] / 5.0).min(1.0);
-            let hind = HIP_HEIGHT - low + sink[frame] - 0.02 * bow[frame];
+            let low = 0.06 * (speed[frame] / 2.4).min(1.0);
+            let hind = HIP_HEIGHT - 0.7 * low + sink[frame] - 0.02 * bow[frame];
             let fore = SHOULDER_HEIGHT - low + pitching[frame] - 0.28 * bow[frame];
             let heading = paths.heading(time, -0.5 * TRUNK);
             let sway =
@@ -165,7 +170,8 @@ impl Trunk {
         ]);
         let seen = gaussian(&looking(0.3), 5.0);
         Self {
-            paws: paws::paws(&gait, &paths, &times),
+            plants: [0, 1, 2, 3].map(|leg| paws::plants(&gait, &paths, leg)),
+            paws: Default::default(),
             headings: [
                 series(&|time| paths.heading(time, -0.5 * TRUNK)),
                 series(&|time| paths.heading(time, 0.5 * TRUNK)),
@@ -180,6 +186,7 @@ impl Trunk {
             bow,
             wag,
             lift,
+            times,
         }
     }
 
@@ -188,6 +195,16 @@ impl Trunk {
     }
 
     fn pose<'a>(&self, rig: &'a Rig, frame: usize) -> Pose<'a> {
+        let mut pose = self.body(rig, frame);
+        self.trail(&mut pose, frame);
+        for leg in 0..4 {
+            hound::leg(&mut pose, leg, &self.paws[leg][frame], self.bow[frame]);
+        }
+        pose
+    }
+
+    /// The pose of trunk, neck and head.
+    fn body<'a>(&self, rig: &'a Rig, frame: usize) -> Pose<'a> {
         let mut pose = rig.rest();
         pose.root = self.hips[frame];
         let [hips, chest, head] = [0, 1, 2].map(|part: usize| self.headings[part][frame]);
@@ -213,36 +230,7 @@ impl Trunk {
                 pose.set_world(joint, rotation);
             }
         }
-        self.trail(&mut pose, frame);
-        for leg in 0..4 {
-            hound::leg(&mut pose, leg, &self.paws[leg][frame], self.bow[frame]);
-        }
         pose
-    }
-
-    /// Lowers hips and shoulders where a leg would have to be stretched.
-    fn settle(&mut self, rig: &Rig) {
-        const ROUNDS: usize = 3;
-        for _ in 0..ROUNDS {
-            let needed: Vec<[f64; 2]> = (0..self.frames())
-                .map(|frame| {
-                    let mut pose = self.pose(rig, frame);
-                    let sink = [0, 1, 2, 3].map(|leg: usize| {
-                        -hound::leg(&mut pose, leg, &self.paws[leg][frame], self.bow[frame])
-                    });
-                    [sink[0].min(sink[1]), sink[2].min(sink[3])]
-                })
-                .collect();
-            let smooth = |end: usize| {
-                let values: Vec<f64> = needed.iter().map(|needed| needed[end]).collect();
-                gaussian(&lowest(&values, 3), 1.8)
-            };
-            let (hind, fore) = (smooth(0), smooth(1));
-            for frame in 0..self.frames() {
-                self.hips[frame].y += hind[frame];
-                self.pitch[frame] += (hind[frame] - fore[frame]) / TRUNK;
-            }
-        }
     }
 }
 
@@ -252,10 +240,10 @@ fn heights(gait: &Gait, time: f64) -> (f64, f64) {
     let cycle = gait.cycle(time);
     let half_duty = 0.5 * gait.duty(time);
     let wave = |per_cycle: f64, lowest: f64| -(TAU * per_cycle * (cycle - lowest)).cos();
-    let both = 0.02 * trot * wave(2.0, half_duty);
+    let both = 0.011 * trot * wave(2.0, half_duty);
     // In a gallop the hind legs carry first, then the fore legs: the trunk rocks.
-    let hind = 0.008 * walk * wave(2.0, 0.0) + both + 0.05 * gallop * wave(1.0, 0.19);
-    let fore = 0.01 * walk * wave(2.0, 0.2) + both + 0.055 * gallop * wave(1.0, 0.6);
+    let hind = 0.008 * walk * wave(2.0, 0.0) + both + 0.036 * gallop * wave(1.0, 0.19);
+    let fore = 0.01 * walk * wave(2.0, 0.2) + both + 0.036 * gallop * wave(1.0, 0.6);
     (hind, fore)
 }
 
@@ -279,7 +267,7 @@ mod tests {
         for (leg, name) in ["LeftToe", "RightToe", "LeftFingers", "RightFingers"].into_iter().enumerate() {
             let joint = rig.find(name).unwrap();
             for frame in 1..poses.len() {
-                if trunk.paws[leg][frame - 1].fold > 0.0 || trunk.paws[leg][frame].fold > 0.0 {
+                if !(trunk.paws[leg][frame - 1].stands && trunk.paws[leg][frame].stands) {
                     continue;
                 }
                 standing += 1;

@@ -4,7 +4,7 @@
 //! itself does not move, so that a foot cannot slide.
 
 use super::super::{
-    ease::{Keys, bump, min_jerk, part, smooth_step},
+    ease::{Keys, bump, coast, min_jerk, part},
     figure::{ahead, left_of, turn},
 };
 use inkrig_motion::glam::{DQuat, DVec3};
@@ -32,7 +32,7 @@ impl Style {
     pub(crate) fn forward(length: f64) -> Self {
         Self {
             land_pitch: -0.08 - 0.3 * length.abs(),
-            lift_pitch: 0.35 + 0.85 * length.abs(),
+            lift_pitch: 0.3 + 0.78 * length.abs(),
             clearance: 0.05 + 0.03 * length.abs(),
         }
     }
@@ -146,7 +146,7 @@ fn pitch_keys(plants: &[Plant]) -> Keys {
         let (swing, stance) = (to.land - from.lift, (from.lift - from.land).min(1.0));
         keys.push((from.lift - 0.42 * stance, 0.0));
         keys.push((from.lift, to.style.lift_pitch));
-        keys.push((from.lift + 0.22 * swing, 1.1 * to.style.lift_pitch));
+        keys.push((from.lift + 0.2 * swing, 1.25 * to.style.lift_pitch));
         keys.push((from.lift + 0.85 * swing, 1.1 * to.style.land_pitch));
         keys.push((to.land, to.style.land_pitch));
         keys.push((to.land + 0.12_f64.min(0.4 * (to.lift - to.land)), 0.0));
@@ -162,9 +162,8 @@ fn over_heel(plant: Plant, pitch: f64) -> DVec3 {
 }
 
 fn swing(from: Plant, to: Plant, part: f64, pitch: f64) -> Foot {
-    // A walking foot is quick off the ground; one that steps aside is set down softly.
-    let ease =
-        if to.style.land_pitch < 0.0 { 0.5 * (smooth_step(part) + min_jerk(part)) } else { min_jerk(part) };
+    // A walking foot goes evenly; one that steps aside is set down softly.
+    let ease = if to.style.land_pitch < 0.0 { coast(part, 0.35) } else { min_jerk(part) };
     let landing = if to.style.land_pitch < 0.0 { over_heel(to, pitch) } else { to.ball };
     let ball = from.ball.lerp(landing, ease) + DVec3::Y * to.style.clearance * bump(part);
     let yaw = from.yaw + ease * (to.yaw - from.yaw);

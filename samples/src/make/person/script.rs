@@ -28,10 +28,10 @@ pub(crate) fn footsteps() -> Footsteps {
         (0.58, 0.38),
         (0.54, 0.50),
         (0.50, 0.62),
-        (0.47, 0.71),
-        (0.46, 0.76),
-        (0.46, 0.73),
-        (0.49, 0.56),
+        (0.48, 0.67),
+        (0.50, 0.70),
+        (0.50, 0.70),
+        (0.50, 0.56),
         (0.54, 0.32),
         (0.56, 0.0),
     ];
@@ -40,7 +40,7 @@ pub(crate) fn footsteps() -> Footsteps {
     for (index, (duration, length)) in WALK.into_iter().enumerate() {
         heading += if index < 9 { 0.29 } else { 0.0 };
         middle += ahead(heading) * length;
-        let swing = (time + 0.2 * duration, time + duration);
+        let swing = (time + 0.16 * duration, time + duration);
         steps.step(1 - index % 2, swing, (middle, heading), 0.07, Style::forward(length));
         time += duration;
     }
@@ -246,7 +246,7 @@ impl Script {
 fn waving(time: f64, side: usize) -> (f64, Arm, f64) {
     let (start, _) = if side == 1 { WAVE } else { WAVE_BOTH };
     let end = WAVE_BOTH.1;
-    let amount = window(time, start, end, 0.65, 0.8);
+    let amount = window(time, start, end, 0.86, 0.8);
     // From a small wave of the forearm at the shoulder to a large one of the whole arm above the head.
     let grown =
         Keys::new(&[(WAVE.0, 0.0), (WAVE.0 + 0.9, 0.1), (WAVE_BOTH.0, 0.5), (end - 0.9, 1.0)]).at(time);

@@ -17,6 +17,8 @@ pub(crate) const SHOULDER_HEIGHT: f64 = 0.79;
 pub(crate) const TRUNK: f64 = 0.5;
 /// Height of a paw's joint when it stands, metres.
 pub(crate) const PAW_HEIGHT: f64 = 0.03;
+/// From a paw's joint to the tips of its toes, metres.
+pub(crate) const TOES: f64 = 0.075;
 /// From the hips' joint to the left hind leg, and from the chest's joint to the left shoulder blade; metres.
 pub(crate) const HIND: DVec3 = DVec3::new(0.09, -0.03, -0.05);
 pub(crate) const FORE: DVec3 = DVec3::new(0.07, 0.05, 0.05);
@@ -30,10 +32,14 @@ const BLADE: f64 = 0.2;
 const HUMERUS: f64 = 0.222;
 const RADIUS: f64 = 0.312;
 const METACARPUS: f64 = 0.15;
-/// How far a leg stretches, of its full length.
+/// How far a standing hind leg stretches, of its full length.
 const STRETCH: f64 = 0.97;
-/// The same in the air, where a leg has no reason to be straight.
-const RELAXED: f64 = 0.84;
+/// The same between shoulder and wrist: an elbow that is nearly straight would turn fast for little way.
+const ELBOW: f64 = 0.93;
+/// How far the hind and the fore legs reach from their carriers in the air before they give way, metres.
+pub(crate) const RELAXED: [f64; 2] = [0.67, 0.73];
+/// How far the elbow stretches in the air, of its full length.
+const LOOSE: f64 = 0.84;
 const SIDES: [&str; 2] = ["Left", "Right"];
 
 /// 32 joints and 8 tips, 1.7 m from nose to tail, facing +z, every leg straight down: the legs' own angles come from
@@ -68,7 +74,7 @@ pub(crate) fn rig() -> Rig {
         rig.joint(&name("Leg"), &name("UpLeg"), [0.0, -FEMUR, 0.0]);
         rig.joint(&name("Foot"), &name("Leg"), [0.0, -TIBIA, 0.0]);
         rig.joint(&name("Toe"), &name("Foot"), [0.0, -METATARSUS, 0.0]);
-        rig.end(&name("Toe"), [0.0, 0.005 - PAW_HEIGHT, 0.075]);
+        rig.end(&name("Toe"), [0.0, 0.005 - PAW_HEIGHT, TOES]);
     }
     let mut parent = "Hips";
     for name in TAIL {
@@ -99,17 +105,24 @@ pub(crate) fn leg(pose: &mut Pose<'_>, leg: usize, paw: &Paw, bow: f64) -> f64 {
     }
 }
 
+/// Place of the joint that carries a leg, metres: the hip, or the top of the shoulder blade.
+pub(crate) fn carrier(pose: &Pose<'_>, leg: usize) -> DVec3 {
+    let part = if leg < 2 { "UpLeg" } else { "Shoulder" };
+    pose.rig().find(&format!("{}{part}", SIDES[leg % 2])).map_or(pose.root, |joint| pose.world(joint).0)
+}
+
 /// Thigh and metatarsus stay parallel, as tendons keep them in running animals: that makes two bones of three.
 fn hind(pose: &mut Pose<'_>, [femur, tibia, foot, toe]: [usize; 4], paw: &Paw) -> f64 {
     let forward = paw.forward();
     let hip = pose.world(femur).0;
-    let target = relax(hip, paw.place, FEMUR + METATARSUS + TIBIA, RELAXED, paw.air);
-    let limb = two_bone(hip, target, (FEMUR + METATARSUS, TIBIA), forward);
+    let limb = two_bone(hip, paw.place, (FEMUR + METATARSUS, TIBIA), forward);
     pose.set_world(femur, limb.upper);
     pose.set_world(tibia, limb.lower);
     pose.set_world(foot, limb.upper);
-    pose.set_world(toe, paw.rotation());
-    sink(hip, target, STRETCH * (FEMUR + METATARSUS + TIBIA))
+    // In the air the toes hang from the metatarsus and turn with it.
+    let along = limb.upper_along.dot(forward).atan2(-limb.upper_along.y);
+    pose.set_world(toe, paw.rotation(0.5 + 0.6 * (0.35 - along)));
+    sink(hip, paw.place, STRETCH * (FEMUR + METATARSUS + TIBIA))
 }
 
 fn fore(
@@ -126,20 +139,20 @@ fn fore(
     // How far the leg swings forward, radians from the vertical.
     let swung = reach.dot(forward).atan2(-reach.y);
     let chest_forward = chest * DVec3::Z;
-    let lean = 0.52 + 0.42 * swung;
+    let lean = 0.52 + 0.7 * swung;
     let down = chest * DVec3::NEG_Y;
     pose.set_world(blade, hang((down * lean.cos() + chest_forward * lean.sin()).normalize(), side));
     // The pastern leans with the leg while it stands and folds back in the air.
-    let tilt = 0.55 * swung + 0.1 - 1.2 * paw.fold + 0.5 * bow;
+    let tilt = 0.75 * swung + 0.1 - 0.66 * paw.fold + 0.5 * bow;
     let pastern = (DVec3::NEG_Y * tilt.cos() + forward * tilt.sin()).normalize();
     let shoulder = pose.world(humerus).0;
-    let wrist = relax(shoulder, paw.place - pastern * METACARPUS, HUMERUS + RADIUS, RELAXED, paw.air);
+    let wrist = relax(shoulder, paw.place - pastern * METACARPUS, HUMERUS + RADIUS, LOOSE, paw.air);
     let limb = two_bone(shoulder, wrist, (HUMERUS, RADIUS), -forward);
     // Elbows point backward: the hinge is the same, bent the other way.
     let half_turn = DQuat::from_rotation_y(std::f64::consts::PI);
     pose.set_world(humerus, limb.upper * half_turn);
     pose.set_world(radius, limb.lower * half_turn);
     pose.set_world(hand, hang(pastern, side));
-    pose.set_world(fingers, paw.rotation());
-    sink(shoulder, wrist, STRETCH * (HUMERUS + RADIUS))
+    pose.set_world(fingers, paw.rotation(0.3 - 0.8 * tilt));
+    sink(shoulder, wrist, ELBOW * (HUMERUS + RADIUS))
 }

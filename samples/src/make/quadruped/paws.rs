@@ -1,13 +1,13 @@
-//! Where the animal goes, and where its paws stand and swing.
+//! Where the animal goes, and where its paws stand.
 
 use super::{
     super::{
-        ease::{Keys, bump, part, smooth_step},
+        ease::{Keys, part},
         figure::{ahead, left_of, turn},
         gait::{Gait, STEP, Stance},
     },
     BOW, LENGTH,
-    hound::{FORE, HIND, PAW_HEIGHT, TRUNK},
+    hound::{FORE, HIND, PAW_HEIGHT, TOES, TRUNK},
 };
 use inkrig_motion::glam::{DQuat, DVec3};
 
@@ -24,13 +24,13 @@ pub(crate) struct Paths {
 pub(crate) struct Paw {
     /// Place of the paw's joint, metres.
     pub(crate) place: DVec3,
-    heading: f64,
-    /// Pitch of the paw, radians, toes down counts up.
-    pitch: f64,
+    pub(super) heading: f64,
     /// How far the leg folds, 0 on the ground, 1 in the middle of a high swing.
     pub(crate) fold: f64,
-    /// 0 on the ground and at its touch, 1 in the air.
+    /// How freely the paw hangs: 0 on the ground and at its touch, 1 in the air.
     pub(crate) air: f64,
+    /// Whether it stands on the ground.
+    pub(crate) stands: bool,
 }
 
 impl Paw {
@@ -39,9 +39,12 @@ impl Paw {
         ahead(self.heading)
     }
 
-    /// World rotation of the paw.
-    pub(crate) fn rotation(&self) -> DQuat {
-        turn(self.heading, self.pitch, 0.0)
+    /// World rotation of the paw. On the ground it is flat; in the air it has the given pitch, radians, toes down, as
+    /// far as the toes stay above the ground.
+    pub(crate) fn rotation(&self, pitch: f64) -> DQuat {
+        let pitch = self.air * pitch;
+        let room = ((self.place.y - PAW_HEIGHT) / TOES).max(1e-6);
+        turn(self.heading, if pitch > 0.0 { pitch * room / pitch.hypot(room) } else { pitch }, 0.0)
     }
 }
 
@@ -107,23 +110,16 @@ impl Paths {
 
 /// A paw on the ground.
 #[derive(Debug, Clone, Copy)]
-struct Plant {
-    stance: Stance,
-    place: DVec3,
-    heading: f64,
+pub(super) struct Plant {
+    pub(super) stance: Stance,
+    pub(super) place: DVec3,
+    pub(super) heading: f64,
     /// How high the paw rises on its way here, metres.
-    rise: f64,
+    pub(super) rise: f64,
 }
 
-/// All paws at all `times`.
-pub(crate) fn paws(gait: &Gait, paths: &Paths, times: &[f64]) -> [Vec<Paw>; 4] {
-    [0, 1, 2, 3].map(|leg| {
-        let plants = plants(gait, paths, leg);
-        times.iter().map(|&time| paw(&plants, time)).collect()
-    })
-}
-
-fn plants(gait: &Gait, paths: &Paths, leg: usize) -> Vec<Plant> {
+/// Where and when a leg stands, in the order of time.
+pub(super) fn plants(gait: &Gait, paths: &Paths, leg: usize) -> Vec<Plant> {
     let hind = leg < 2;
     let sign = if leg.is_multiple_of(2) { 1.0 } else { -1.0 };
     let (along, beside) =
@@ -138,7 +134,7 @@ fn plants(gait: &Gait, paths: &Paths, leg: usize) -> Vec<Plant> {
         .map(|mut stance| {
             // A stance that would outlast the leg's reach ends early. How far the body goes meanwhile, metres:
             if stance.land > 0.0 {
-                let longest = 0.6 - 0.15 * part(gait.speed(stance.land), 1.0, 2.0);
+                let longest = 0.6 - 0.18 * part(gait.speed(stance.land), 1.0, 2.0);
                 stance.lift = stance.lift.min(paths.time_after(stance.land, longest));
             }
             // A foot stands where the body passes over it in the middle of the stance.
@@ -148,7 +144,7 @@ fn plants(gait: &Gait, paths: &Paths, leg: usize) -> Vec<Plant> {
             let still = if stance.land < 0.0 || stance.lift > LENGTH { stagger } else { 0.0 };
             let speed = gait.speed(0.5 * (stance.land.max(0.0) + middle));
             let (place, heading) = spot(middle, 1.0 - 0.07 * speed.min(4.0), 0.02 + still);
-            Plant { stance, place, heading, rise: 0.07 + 0.022 * speed }
+            Plant { stance, place, heading, rise: 0.1 + 0.038 * speed.min(5.0) }
         })
         .collect();
     if !hind {
@@ -160,7 +156,7 @@ fn plants(gait: &Gait, paths: &Paths, leg: usize) -> Vec<Plant> {
                 last.stance.lift = lift;
             }
             plants.push(Plant {
-                stance: Stance { land: lift + 0.28, lift: 1e3 },
+                stance: Stance { land: lift + 0.34, lift: 1e3 },
                 place,
                 heading,
                 rise: 0.06,
@@ -168,25 +164,4 @@ fn plants(gait: &Gait, paths: &Paths, leg: usize) -> Vec<Plant> {
         }
     }
     plants
-}
-
-fn paw(plants: &[Plant], time: f64) -> Paw {
-    let current = plants.partition_point(|plant| plant.stance.land <= time).max(1) - 1;
-    let from = plants[current];
-    match plants.get(current + 1) {
-        Some(to) if time > from.stance.lift => {
-            let part = part(time, from.stance.lift, to.stance.land);
-            let ease = smooth_step(part);
-            // The paw leaves quickly and comes down slowly: its highest point is early.
-            let height = bump(part * (1.18 - 0.18 * part));
-            let fold = height * (to.rise / 0.15).min(1.2);
-            let place = from.place.lerp(to.place, ease) + DVec3::Y * to.rise * height;
-            let heading = from.heading + ease * (to.heading - from.heading);
-            // Toes hang on the way up and reach for the ground on the way down.
-            let pitch = fold * (1.5 - 1.3 * part);
-            let air = smooth_step(5.0 * part.min(1.0 - part));
-            Paw { place, heading, pitch, fold, air }
-        }
-        _ => Paw { place: from.place, heading: from.heading, pitch: 0.0, fold: 0.0, air: 0.0 },
-    }
 }
