@@ -21,18 +21,24 @@
 mod builder;
 mod curve;
 mod error;
+mod labels;
 pub mod limits;
 mod measure;
 mod read;
 mod resample;
 pub mod shapes;
 mod smooth;
+mod table;
+mod wave;
 mod write;
 
 pub use curve::{Curve, Origin};
 pub use error::SketchError;
+pub use labels::{LabelLength, Labels, MAX_LABELS, OneHot, read_labels};
 pub use measure::Bounds;
 pub use read::{Format, read_curve};
 pub use resample::{Timing, frame_count, resample};
 pub use smooth::{Ends, smooth};
+pub use table::{MAX_CONTROL_VALUES, MAX_TABLE_WIDTH, Table, read_table};
+pub use wave::{MAX_RATE, MAX_WAVE_DEPTH, MAX_WAVE_PARTS, MAX_WAVE_TEXT, Wave, read_wave};
 pub use write::{to_csv, to_json, to_svg};

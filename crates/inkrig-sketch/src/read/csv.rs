@@ -12,6 +12,47 @@ use crate::{Curve, Origin, SketchError};
 const FIELDS_PER_POINT: usize = 16;
 
 pub(super) fn read(text: &str) -> Result<Curve, SketchError> {
+    let mut builder = CurveBuilder::default();
+    let mut columns = None;
+    each_row(text, &SketchError::TooManyPoints, |row| {
+        let columns = match &columns {
+            Some(columns) => columns,
+            None if is_header(row) => {
+                columns = Some(Columns::from_header(row)?);
+                return Ok(());
+            }
+            None => &*columns.insert(Columns::PLAIN),
+        };
+        builder.push(columns.sample(row)?).map_err(|refusal| match refusal {
+            Refusal::Full => Stop::Whole(SketchError::TooManyPoints),
+            Refusal::Wrong(_, problem) => Stop::At(1, problem),
+        })
+    })?;
+    builder.finish(Origin::Sampled)
+}
+
+/// Why the reading of rows ends early.
+pub(crate) enum Stop {
+    /// Field, counted from 1, and what is wrong with it.
+    At(usize, String),
+    /// The file as a whole.
+    Whole(SketchError),
+}
+
+impl From<Wrong> for Stop {
+    fn from((column, problem): Wrong) -> Self {
+        Self::At(column, problem)
+    }
+}
+
+/// Hands over each row that is not empty, header included, with its fields trimmed.
+///
+/// A file with more fields than we take in any case ends in `full` before they are read.
+pub(crate) fn each_row(
+    text: &str,
+    full: &SketchError,
+    mut take: impl FnMut(&StringRecord) -> Result<(), Stop>,
+) -> Result<(), SketchError> {
     // The reader ends a comment at a line feed only.
     let text = &*if text.contains('\r') {
         Cow::from(text.replace("\r\n", "\n").replace('\r', "\n"))
@@ -20,7 +61,7 @@ pub(super) fn read(text: &str) -> Result<Curve, SketchError> {
     };
     let delimiter = sniff_delimiter(text);
     if text.bytes().filter(|&byte| byte == delimiter).count() > FIELDS_PER_POINT * MAX_POINTS {
-        return Err(SketchError::TooManyPoints);
+        return Err(full.clone());
     }
     let mut rows = ReaderBuilder::new()
         .delimiter(delimiter)
@@ -29,31 +70,21 @@ pub(super) fn read(text: &str) -> Result<Curve, SketchError> {
         .comment(Some(b'#'))
         .trim(Trim::All)
         .from_reader(text.as_bytes());
-    let mut builder = CurveBuilder::default();
-    let mut columns = None;
     let mut row = StringRecord::new();
     loop {
         let start = rows.position().byte();
-        let at = |(column, problem)| SketchError::Csv { line: line_of_row(text, start), column, problem };
-        if !rows.read_record(&mut row).map_err(|error| at((1, error.to_string())))? {
-            break;
+        let at = |column, problem| SketchError::Csv { line: line_of_row(text, start), column, problem };
+        if !rows.read_record(&mut row).map_err(|error| at(1, error.to_string()))? {
+            return Ok(());
         }
-        let columns = match &columns {
-            _ if row.iter().all(str::is_empty) && row.len() == 1 => continue,
-            Some(columns) => columns,
-            None if is_header(&row) => {
-                columns = Some(Columns::from_header(&row).map_err(at)?);
-                continue;
-            }
-            None => &*columns.insert(Columns::PLAIN),
-        };
-        let sample = columns.sample(&row).map_err(at)?;
-        builder.push(sample).map_err(|refusal| match refusal {
-            Refusal::Full => SketchError::TooManyPoints,
-            Refusal::Wrong(_, problem) => at((1, problem)),
+        if row.iter().all(str::is_empty) && row.len() == 1 {
+            continue;
+        }
+        take(&row).map_err(|stop| match stop {
+            Stop::At(column, problem) => at(column, problem),
+            Stop::Whole(error) => error,
         })?;
     }
-    builder.finish(Origin::Sampled)
 }
 
 /// The line of the row whose reading began at a byte; the reader then skipped empty lines and comments.
@@ -65,7 +96,7 @@ fn line_of_row(text: &str, start: u64) -> u64 {
 }
 
 /// Field, counted from 1, and what is wrong with it.
-type Wrong = (usize, String);
+pub(crate) type Wrong = (usize, String);
 
 /// The delimiter of the first line that is neither empty nor a comment.
 fn sniff_delimiter(text: &str) -> u8 {
@@ -75,7 +106,7 @@ fn sniff_delimiter(text: &str) -> u8 {
 }
 
 /// A first row without any number is a header.
-fn is_header(row: &StringRecord) -> bool {
+pub(crate) fn is_header(row: &StringRecord) -> bool {
     row.iter().any(|field| !field.is_empty())
         && row.iter().all(|field| field.parse::<f64>().is_err())
         && row.iter().any(|field| field.starts_with(char::is_alphabetic))
@@ -113,13 +144,7 @@ impl Columns {
     }
 
     fn sample(&self, row: &StringRecord) -> Result<Sample, Wrong> {
-        let number = |column: usize, name: &str| match row.get(column) {
-            None | Some("") => Ok(None),
-            Some(field) => match field.parse::<f64>() {
-                Ok(value) if value.is_finite() => Ok(Some(value)),
-                _ => Err((column + 1, not_a_number(field, name))),
-            },
-        };
+        let number = |column: usize, name: &str| number(row, column, name);
         let required = |column: usize, name: &str| {
             number(column, name)?.ok_or_else(|| (column + 1, format!("{name} is missing; a row is x,y[,t]")))
         };
@@ -128,6 +153,17 @@ impl Columns {
             seconds: self.seconds.map_or(Ok(None), |column| number(column, "t"))?,
             pressure: self.pressure.map_or(Ok(None), |column| number(column, "pressure"))?,
         })
+    }
+}
+
+/// The finite number in a field, counted from 0; `None` where the field is missing or empty.
+pub(crate) fn number(row: &StringRecord, column: usize, name: &str) -> Result<Option<f64>, Wrong> {
+    match row.get(column) {
+        None | Some("") => Ok(None),
+        Some(field) => match field.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(Some(value)),
+            _ => Err((column + 1, not_a_number(field, name))),
+        },
     }
 }
 

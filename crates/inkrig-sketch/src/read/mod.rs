@@ -1,6 +1,6 @@
 //! Drawings as files: bytes in, [`Curve`] out.
 
-mod csv;
+pub(crate) mod csv;
 mod json;
 mod svg;
 
@@ -63,15 +63,20 @@ pub fn read_curve(bytes: &[u8], format: Format) -> Result<Curve, SketchError> {
     if bytes.starts_with(GZIP) {
         return Err(SketchError::Compressed);
     }
-    let text = std::str::from_utf8(bytes.strip_prefix(BOM).unwrap_or(bytes)).map_err(|error| {
-        let good = bytes.iter().take(error.valid_up_to());
-        SketchError::NotText { line: 1 + good.filter(|&&byte| byte == b'\n').count() }
-    })?;
+    let text = utf8(bytes).map_err(|line| SketchError::NotText { line })?;
     match format {
         Format::Json => json::read(text),
         Format::Csv => csv::read(text),
         Format::Svg => svg::read(text),
     }
+}
+
+/// The text without its byte order mark, or the line of the first byte that is not UTF-8.
+pub(crate) fn utf8(bytes: &[u8]) -> Result<&str, usize> {
+    std::str::from_utf8(bytes.strip_prefix(BOM).unwrap_or(bytes)).map_err(|error| {
+        let good = bytes.iter().take(error.valid_up_to());
+        1 + good.filter(|&&byte| byte == b'\n').count()
+    })
 }
 
 #[cfg(test)]
