@@ -5,7 +5,7 @@
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use inkrig_align::coarse_to_fine::{Buffers, Frames, solve};
 use inkrig_align::pyramid::level_lengths;
-use inkrig_align::{Control, CurveOptions, Layout, Options, pca};
+use inkrig_align::{Control, CurveOptions, Keys, Layout, Options, pca};
 use inkrig_formats::{ImportOptions, read_bvh};
 use inkrig_motion::{FeatureOptions, frame_features, time};
 use inkrig_sketch::shapes::growing_circles;
@@ -38,7 +38,7 @@ impl Case {
         let source = Frames { table: reduced.frames.view(), layout: &layouts[0] };
         let control = Frames { table: self.control.view(), layout: &layouts[1] };
         let go_on = &mut |_| ControlFlow::Continue(());
-        let matching = solve(source, control, options, buffers, go_on).unwrap();
+        let matching = solve(source, control, &Keys::default(), options, buffers, go_on).unwrap();
         assert_eq!(matching.gradients, options.gradients());
     }
 }

@@ -2,11 +2,12 @@
 
 use crate::coarse_to_fine::{Buffers, Frames, solve};
 use crate::control::Control;
+use crate::keys::{Keys, Timing};
 use crate::measures::{Dynamics, Structure, nearness, structure};
 use crate::patches::{PatchScratch, normalised_self_distances, patch_distances};
 use crate::progress::Observer;
 use crate::pyramid::{close_loop, resample_frames};
-use crate::reconstruct::{blend_clip, frames_per_sample};
+use crate::reconstruct::{Ends, blend_clip, frames_per_sample};
 use crate::report::{Report, StageRow, notes};
 use crate::{AlignError, Layout, Norm, Options, pca};
 use inkrig_motion::{Clip, FeatureLayout, Features, Takes, lead_in, time};
@@ -51,12 +52,15 @@ pub fn align(
     options.validate()?;
     control.validate()?;
     let mut clock = Clock::start();
-    let (source, rest_pose_frames) = without_lead_ins(source)?;
+    let given = source;
+    let (source, lead_ins) = without_lead_ins(given)?;
     check_lengths(&source, control, options)?;
     let matched = source.decimate(options.matching_rate)?;
     let lengths: Vec<usize> = matched.ranges().map(|range| range.len()).collect();
     let columns = Layout::clips(&lengths, options.patch());
     let (drawn, rows) = at_rate(control, options);
+    let timing = Timing { given, lead_ins: &lead_ins, source: &source, matched: &matched };
+    let keys = Keys::new(&options.keys, control, &timing, &rows, options.matching_rate)?;
     let layout = FeatureLayout::of(&matched, &options.features);
     let features = layout.features(&matched);
     clock.stage("features");
@@ -66,11 +70,12 @@ pub fn align(
     let mut buffers = Buffers::new(options.threads);
     let frames = Frames { table: reduced.frames.view(), layout: &columns };
     let drawing = Frames { table: drawn.view(), layout: &rows };
-    let matching = solve(frames, drawing, options, &mut buffers, observer)?;
+    let matching = solve(frames, drawing, &keys, options, &mut buffers, observer)?;
     clock.stage("matching");
     let solve_seconds = clock.since("features");
 
-    let clip = blend_clip(&source, &matched, &matching.weights, control.cyclic, options.travel)?;
+    let ring = if control.cyclic { Ends::Loop } else { Ends::Open };
+    let clip = blend_clip(&source, &matched, &matching.weights, (ring, &keys.exact), options)?;
     let (best_source, confidence) = most_used(&matching.weights, options.matching_rate);
     clock.stage("reconstruction");
     let measured = Measured::of(&source, &clip, &layout, (&features, &columns), (&drawn, &rows), options)?;
@@ -94,7 +99,7 @@ pub fn align(
         total_seconds: clock.total(),
         source_frames: columns.frames(),
         control_frames: rows.frames(),
-        rest_pose_frames,
+        rest_pose_frames: lead_ins.iter().sum(),
         feature_energy: reduced.energy,
         instruction_set: Isa::current().name(),
         notes: Vec::new(),
@@ -195,14 +200,14 @@ fn table(features: &Features) -> Result<MatRef<'_, f32>, AlignError> {
     Ok(MatRef::new(features.as_slice(), features.frames(), features.width())?)
 }
 
-/// The takes without the calibration poses at their beginnings, and how many frames that left out.
-fn without_lead_ins(takes: &Takes) -> Result<(Takes, usize), AlignError> {
-    let mut left_out = 0;
+/// The takes without the calibration poses at their beginnings, and how many frames of each that left out.
+fn without_lead_ins(takes: &Takes) -> Result<(Takes, Vec<usize>), AlignError> {
+    let mut left_out = Vec::with_capacity(takes.count());
     let mut kept = Vec::with_capacity(takes.count());
     for range in takes.ranges() {
         let take = time::trim(takes.clip(), range)?;
         let lead_in = lead_in::rest_pose_frames(&take);
-        left_out += lead_in;
+        left_out.push(lead_in);
         kept.push(time::trim(&take, lead_in..take.frames())?);
     }
     Ok((Takes::join(&kept)?, left_out))

@@ -2,6 +2,7 @@
 //! matching and blending at every level, each starting from the motion of the level before.
 
 use crate::blend::{Window, frame_weights};
+use crate::keys::{Keys, LevelKeys};
 use crate::patches::{PatchScratch, normalised_self_distances, patch_distances};
 use crate::progress::{self, Observer, Progress};
 use crate::pyramid::{close_loop, level_lengths, resample_frames};
@@ -136,6 +137,7 @@ pub struct Frames<'a> {
 pub fn solve(
     source: Frames<'_>,
     control: Frames<'_>,
+    keys: &Keys,
     options: &Options,
     buffers: &mut Buffers,
     observer: Observer<'_>,
@@ -145,7 +147,7 @@ pub fn solve(
     let control_layouts = level_layouts(control.layout, options);
     let total = options.gradients();
     let (mut gradients, mut levels) = (0, Vec::with_capacity(options.levels));
-    let mut scale = 1.0;
+    let (mut scale, mut asked) = (1.0, LevelKeys::default());
     for (level, (columns, rows)) in source_layouts.iter().zip(&control_layouts).enumerate() {
         let begin = Instant::now();
         let before = gradients;
@@ -161,7 +163,7 @@ pub fn solve(
             threads,
         )?
         .ok_or(AlignError::StillClip)?;
-        normalised_self_distances(
+        let control_scale = normalised_self_distances(
             b.control.view(),
             rows,
             options.control_norm,
@@ -170,6 +172,15 @@ pub fn solve(
             threads,
         )?
         .ok_or(AlignError::StillControl)?;
+        asked = keys.at_level(
+            (control.layout, source.layout),
+            (rows, columns),
+            b.source_distances.view(),
+            (b.control.view(), control_scale),
+            b.control_distances.view(),
+        )?;
+        let bias = |alpha| asked.cost(b.source_distances.view(), rows.patches(), alpha);
+        let (first_bias, bias) = (bias(1.0), bias(options.alpha));
         let weights = |alpha| Params { alpha, lambda: options.lambda, epsilon: options.epsilon };
         let tell = |done| Progress { level: level + 1, levels: options.levels, done, total };
         if level == 0 {
@@ -179,6 +190,7 @@ pub fn solve(
                 None,
                 weights(1.0),
             )?;
+            let structure = asked.bind(structure, first_bias.as_ref())?;
             gradients += first_plan(&structure, options, &mut b.transport, |done| {
                 progress::report(observer, tell(done))
             })?;
@@ -197,6 +209,7 @@ pub fn solve(
                 Some(b.cost.view()),
                 weights(options.alpha),
             )?;
+            let problem = asked.bind(problem, bias.as_ref())?;
             let first = level > 0 && round == 0;
             let start = if first { Start::Perturbed(options.seed) } else { Start::Continue };
             let solver = MmSinkhorn { iterations: options.iterations, start, ..MmSinkhorn::default() };
@@ -216,7 +229,7 @@ pub fn solve(
             seconds: begin.elapsed().as_secs_f64(),
         });
     }
-    let plan = polish((control.layout, source.layout), scale, options, buffers, || {
+    let plan = polish((control.layout, source.layout), scale, &asked, options, buffers, || {
         progress::report(
             observer,
             Progress { level: options.levels, levels: options.levels, done: total, total },
@@ -271,6 +284,7 @@ fn first_plan(
 fn polish(
     (rows, columns): (&Layout, &Layout),
     scale: f32,
+    asked: &LevelKeys,
     options: &Options,
     buffers: &mut Buffers,
     mut go_on: impl FnMut() -> Result<(), AlignError>,
@@ -286,6 +300,7 @@ fn polish(
         row_softmax(b.cost.view(), POLISH_TEMPERATURE, &mut nearest)?;
         let mass = 1.0 / nearest.rows() as f32;
         nearest.as_mut_slice().iter_mut().for_each(|value| *value *= mass);
+        asked.impose(&mut nearest, b.cost.view());
         plan = Plan::from_mat(nearest);
         blend(plan.dense(), layouts, &b.source, &mut b.weights, &mut b.blended, options.threads)?;
     }

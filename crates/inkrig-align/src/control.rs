@@ -2,7 +2,7 @@
 
 use crate::{AlignError, MOST_FRAMES};
 use inkrig_motion::{Clip, FeatureOptions, Features, frame_features, time};
-use inkrig_sketch::{Curve, Ends, Timing, frame_count, resample, smooth};
+use inkrig_sketch::{Curve, Ends, Labels, Table, Timing, Wave, frame_count, resample, smooth};
 
 /// A control as the solver sees it: a table of numbers over time, never a file. Only distances between its rows
 /// count, so its scale and place do not matter.
@@ -14,6 +14,9 @@ pub struct Control {
     pub rate: f64,
     /// Whether the last sample is followed by the first: the result is then a seamless loop.
     pub cyclic: bool,
+    /// How a value of the control's own domain (a canvas point) becomes a row: its centre is taken off, then it is
+    /// multiplied. `None`: rows are the domain itself.
+    pub domain: Option<(Vec<f64>, f64)>,
     /// What it is of, which decides the presets: see [`Options::for_control`](crate::Options::for_control).
     pub kind: ControlKind,
 }
@@ -24,6 +27,10 @@ pub enum ControlKind {
     /// A drawn curve, of any number of dimensions.
     #[default]
     Curve,
+    /// A single value over time.
+    Wave,
+    /// Names over time ("motion by numbers").
+    Labels,
     /// Another motion.
     Motion,
 }
@@ -47,10 +54,28 @@ impl Default for CurveOptions {
     }
 }
 
+/// Length of a drawing or wave without time, seconds.
+const TIMELESS: f64 = 10.0;
+
 impl Control {
     /// Its length at another rate, in samples, at least 1.
     pub fn frames(&self, rate: f64) -> usize {
         (self.features.frames() as f64 * rate / self.rate).round().max(1.0) as usize
+    }
+
+    /// The row of a value of the control's own domain.
+    pub(crate) fn row_of(&self, value: &[f64]) -> Result<Vec<f32>, AlignError> {
+        let width = self.features.width();
+        if value.len() != width || value.iter().any(|number| !number.is_finite()) {
+            let what = format!("a place of this control is {width} numbers, not {}", value.len());
+            return Err(AlignError::Key { what });
+        }
+        Ok(match &self.domain {
+            Some((centre, scale)) => {
+                value.iter().zip(centre).map(|(v, c)| ((v - c) * scale) as f32).collect()
+            }
+            None => value.iter().map(|&v| v as f32).collect(),
+        })
     }
 
     pub(crate) fn validate(&self) -> Result<(), AlignError> {
@@ -77,7 +102,7 @@ impl Control {
         let motion = time::decimate(&motion, rate)?;
         let rate = motion.frame_rate();
         let features = frame_features(&motion.into(), features);
-        Ok(Self { features, rate, cyclic: false, kind: ControlKind::Motion })
+        Ok(Self { features, rate, cyclic: false, domain: None, kind: ControlKind::Motion })
     }
 
     /// The control of a drawn 2D curve: points at constant time intervals, smoothed (MAMM Sec. 4.1).
@@ -85,34 +110,70 @@ impl Control {
     /// # Errors
     /// When the curve does not move, or the number of samples is not usable.
     pub fn from_curve(curve: &Curve, options: &CurveOptions) -> Result<Self, AlignError> {
-        /// Length of a drawing without time, seconds.
-        const TIMELESS: f64 = 10.0;
         let own = || frame_count(curve, options.rate).unwrap_or((TIMELESS * options.rate).round() as usize);
-        let samples = options.samples.unwrap_or_else(own);
-        if samples > MOST_FRAMES {
-            let cut = "--length";
-            return Err(AlignError::TooLong { what: "the control", frames: samples, most: MOST_FRAMES, cut });
-        }
+        let samples = checked(options.samples.unwrap_or_else(own))?;
         let timing = options.timing.unwrap_or_else(|| Timing::automatic(curve, samples));
         let points = smooth(&resample(curve, samples, timing)?, options.smooth, Ends::Open)?;
-        // Centred in f64: a small drawing far from the origin would lose its digits in f32.
-        let count = points.len().max(1) as f64;
-        let mean = points
-            .iter()
-            .fold([0.0, 0.0], |sum, point| [sum[0] + point[0] / count, sum[1] + point[1] / count]);
-        let size =
-            points.iter().flat_map(|p| [(p[0] - mean[0]).abs(), (p[1] - mean[1]).abs()]).fold(0.0, f64::max);
-        let scale = if size > 0.0 { 1.0 / size } else { 1.0 };
-        let values = points
-            .iter()
-            .flat_map(|p| [((p[0] - mean[0]) * scale) as f32, ((p[1] - mean[1]) * scale) as f32]);
-        Ok(Self {
-            features: Features::new(values.collect(), 2)?,
-            rate: options.rate,
-            cyclic: false,
-            kind: ControlKind::Curve,
-        })
+        let values: Vec<f64> = points.iter().flatten().copied().collect();
+        Self::from_values(&values, 2, options.rate, ControlKind::Curve)
     }
+
+    /// The control of a wave given by an expression (MAMM Sec. 4.2). Its length is `samples`, else its own, else ten
+    /// seconds.
+    ///
+    /// # Errors
+    /// When it does not change, is too fast for the rate, or shorter than asked.
+    pub fn from_wave(wave: &Wave, samples: Option<usize>, rate: f64) -> Result<Self, AlignError> {
+        let own = || wave.frame_count(rate).unwrap_or((TIMELESS * rate).round() as usize);
+        let samples = checked(samples.unwrap_or_else(own))?;
+        Self::from_values(&wave.sample(rate, samples)?, 1, rate, ControlKind::Wave)
+    }
+
+    /// The control of a table: a wave (width 1) or a curve of any number of dimensions.
+    ///
+    /// # Errors
+    /// When it is too long or does not change.
+    pub fn from_table(table: &Table, samples: Option<usize>, rate: f64) -> Result<Self, AlignError> {
+        let samples = checked(samples.unwrap_or_else(|| table.frame_count(rate)))?;
+        let kind = if table.width() == 1 { ControlKind::Wave } else { ControlKind::Curve };
+        Self::from_values(&table.resample(samples)?, table.width(), rate, kind)
+    }
+
+    /// The control of labels over time: one-hot rows (MAMM Sec. 4.3). Which label becomes which movement is found by
+    /// itself, or said by keys.
+    ///
+    /// # Errors
+    /// When there is a single label, or the length loses one.
+    pub fn from_labels(labels: &Labels, samples: Option<usize>, rate: f64) -> Result<Self, AlignError> {
+        let samples = checked(samples.unwrap_or_else(|| labels.frame_count(rate)))?;
+        let rows = labels.to_one_hot(rate, Some(samples))?;
+        let features = Features::new(rows.values, rows.names.len())?;
+        Ok(Self { features, rate, cyclic: false, domain: None, kind: ControlKind::Labels })
+    }
+
+    /// A control of any rows of numbers (frames x width). They are centred and scaled in double precision: small changes
+    /// far from the origin would lose their digits otherwise.
+    fn from_values(values: &[f64], width: usize, rate: f64, kind: ControlKind) -> Result<Self, AlignError> {
+        let frames = (values.len() / width).max(1) as f64;
+        let mut centre = vec![0.0; width];
+        for row in values.chunks_exact(width) {
+            centre.iter_mut().zip(row).for_each(|(sum, value)| *sum += value / frames);
+        }
+        let offsets = values.chunks_exact(width).flat_map(|row| row.iter().zip(&centre).map(|(v, c)| v - c));
+        let size = offsets.clone().map(f64::abs).fold(0.0, f64::max);
+        let scale = if size > 0.0 { 1.0 / size } else { 1.0 };
+        let features = Features::new(offsets.map(|offset| (offset * scale) as f32).collect(), width)?;
+        Ok(Self { features, rate, cyclic: false, domain: Some((centre, scale)), kind })
+    }
+}
+
+/// Says what is too long before anything of that length is made.
+fn checked(samples: usize) -> Result<usize, AlignError> {
+    if samples > MOST_FRAMES {
+        let cut = "--length";
+        return Err(AlignError::TooLong { what: "the control", frames: samples, most: MOST_FRAMES, cut });
+    }
+    Ok(samples)
 }
 
 #[cfg(test)]

@@ -74,6 +74,12 @@ pub enum AlignError {
         /// What is allowed.
         range: &'static str,
     },
+    /// A keyframe that cannot be met.
+    #[error("a keyframe cannot be met: {what}")]
+    Key {
+        /// Why, and what to do.
+        what: String,
+    },
     /// The person at the keyboard said stop.
     #[error("cancelled")]
     Cancelled,

@@ -112,6 +112,17 @@ impl Layout {
         Self { patch: self.patch, parts: parts.collect(), cyclic: self.cyclic }
     }
 
+    /// Where a frame of this layout is in the same clips at another length.
+    pub fn frame_in(&self, other: &Self, frame: usize) -> usize {
+        for (own, new) in self.parts.iter().zip(&other.parts) {
+            if own.contains(&frame) && !new.is_empty() {
+                let place = (frame - own.start) as f64 / (own.len() - 1).max(1) as f64;
+                return new.start + (place * (new.len() - 1) as f64).round() as usize;
+            }
+        }
+        frame.min(other.frames().saturating_sub(1))
+    }
+
     /// Frames of every clip.
     pub fn parts(&self) -> &[Range<usize>] {
         &self.parts

@@ -1,6 +1,6 @@
 //! What may be set, with defaults that were measured.
 
-use crate::{AlignError, ControlKind};
+use crate::{AlignError, ControlKind, Key};
 use inkrig_motion::{FeatureOptions, VelocityFrame};
 
 /// How much the result shall follow the control, and how much it shall stay what the clip is.
@@ -66,6 +66,8 @@ pub struct Options {
     pub features: FeatureOptions,
     /// How the root's travel is carried over.
     pub travel: VelocityFrame,
+    /// Poses that shall, or shall not, appear.
+    pub keys: Vec<Key>,
     /// Another seed finds another of the equally good solutions; 0 adds nothing.
     pub seed: u64,
     /// Threads to work with, at least 1. The result does not depend on it.
@@ -92,6 +94,7 @@ impl Default for Options {
             matching_rate: 30.0,
             features: FeatureOptions::default(),
             travel: VelocityFrame::default(),
+            keys: Vec::new(),
             seed: 0,
             threads: std::thread::available_parallelism().map_or(1, |count| count.get().min(16)),
         }
@@ -110,9 +113,14 @@ impl Options {
     /// to the clip, against .82 and .187 by the mean; for drawn curves it was not better.
     pub fn for_control(kind: ControlKind, preset: Preset) -> Self {
         let mut options = Self::default();
-        if kind == ControlKind::Motion {
-            options.source_norm = Norm::Quantile;
-            options.control_norm = Norm::Quantile;
+        match kind {
+            ControlKind::Curve | ControlKind::Wave => {}
+            // A small lambda freezes: all of a label's frames would be drawn to one moment.
+            ControlKind::Labels => options.lambda = 0.3,
+            ControlKind::Motion => {
+                options.source_norm = Norm::Quantile;
+                options.control_norm = Norm::Quantile;
+            }
         }
         if preset == Preset::Natural {
             options.alpha = 0.7;

@@ -1,9 +1,18 @@
 //! From frame weights to a clip at the clip's own frame rate.
 
-use crate::AlignError;
+use crate::{AlignError, Options};
 use inkrig_motion::channels::PoseChannels;
-use inkrig_motion::{Clip, Takes, VelocityFrame, time::whole_ratio};
+use inkrig_motion::{Clip, Takes, time::whole_ratio};
 use inkrig_transport::Mat;
+
+/// What comes after the last row of weights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ends {
+    /// Nothing.
+    Open,
+    /// The first row.
+    Loop,
+}
 
 /// Weights below this are rounding, not motion.
 const LEAST_WEIGHT: f32 = 1e-5;
@@ -11,7 +20,8 @@ const LEAST_WEIGHT: f32 = 1e-5;
 /// Blends the source's poses by weights that were found at a matching rate.
 ///
 /// `weights` is m x n, rows sum to 1: output frame i takes `weights[i][j]` of frame j of `matched`, which are the
-/// source's takes at the matching rate; `cyclic` says that the last row is followed by the first. The result has the source's own frame rate and the time of m matched frames. An
+/// source's takes at the matching rate. `exact` names output frames that shall be source frames, both at the source's
+/// own rate; around them, over half a patch, the blend goes over into the source's own movement. The result has the source's own frame rate and the time of m matched frames. An
 /// output frame between two matched ones blends both rows, each moved to its own moment in the source, so no detail
 /// of a faster clip is lost by matching at a slower rate.
 ///
@@ -21,10 +31,10 @@ pub fn blend_clip(
     source: &Takes,
     matched: &Takes,
     weights: &Mat<f32>,
-    cyclic: bool,
-    travel: VelocityFrame,
+    (ends, exact): (Ends, &[(usize, usize)]),
+    options: &Options,
 ) -> Result<Clip, AlignError> {
-    let (layout, rows) = PoseChannels::of(source, travel);
+    let (layout, rows) = PoseChannels::of(source, options.travel);
     let rate = source.clip().frame_rate();
     let step = frames_per_sample(rate, matched.clip().frame_rate());
     let rows_of_weights: Vec<Vec<(usize, f32)>> =
@@ -35,12 +45,15 @@ pub fn blend_clip(
     for (frame, values) in out.chunks_exact_mut(layout.width()).enumerate() {
         // After its last row a loop goes on to its first; anything else stays where it is.
         let last = (weights.rows() - 1) as f64;
-        let place = (frame as f64 / step).min(if cyclic { last + 1.0 - 1e-9 } else { last });
+        let place = (frame as f64 / step).min(if ends == Ends::Loop { last + 1.0 - 1e-9 } else { last });
         let row = place.floor() as usize;
         let part = place - row as f64;
         shares.add(&rows_of_weights[row], 1.0 - part, step, part);
         if part > 0.0 {
             shares.add(&rows_of_weights[(row + 1) % weights.rows()], part, step, part - 1.0);
+        }
+        for &(at, key) in exact {
+            shares.fade_to(key, frame as isize - at as isize, 0.5 * options.patch() as f64 * step);
         }
         shares.take(|index, weight| {
             for (value, &channel) in values.iter_mut().zip(rows.row(index)) {
@@ -102,6 +115,26 @@ impl Shares {
         }
     }
 
+    /// Fades to the source's own movement around a frame: all of it where `offset` (in frames) is 0, none from `reach` on.
+    fn fade_to(&mut self, key: usize, offset: isize, reach: f64) {
+        let place = offset as f64 / reach.max(1.0);
+        if place.abs() >= 1.0 {
+            return;
+        }
+        let new = (0.5 * std::f64::consts::PI * place).cos().powi(2) as f32;
+        let total: f32 = self.used.iter().map(|&frame| self.share[frame]).sum();
+        let kept = (1.0 - new) / total;
+        for &frame in &self.used {
+            self.share[frame] *= kept;
+        }
+        if kept == 0.0 {
+            self.used.clear();
+        }
+        let take = self.takes.partition_point(|take| take.1 <= key) - 1;
+        let (_, first, last) = self.takes[take];
+        self.put(key.saturating_add_signed(offset).clamp(first, last), new);
+    }
+
     /// Hands out the shares, made to sum to 1, and forgets them.
     fn take(&mut self, mut give: impl FnMut(usize, f32)) {
         let total: f32 = self.used.iter().map(|&frame| self.share[frame]).sum();
@@ -122,7 +155,7 @@ mod tests {
         let matched = source.decimate(30.0).unwrap();
         let frames = matched.clip().frames();
         let identity = Mat::from_fn(frames, frames, |row, column| f32::from(u8::from(row == column)));
-        blend_clip(&source, &matched, &identity, false, VelocityFrame::World).unwrap()
+        blend_clip(&source, &matched, &identity, (Ends::Open, &[]), &Options::default()).unwrap()
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Frame features: what two frames are compared by (MAMM, SIGGRAPH 2025, Sec. 3.1).
 
-use crate::{Clip, MotionError, Takes, clip::variation, root::RootMotion, rotation::to_6d};
-use glam::{Quat, Vec3};
+use crate::{MotionError, Takes, clip::variation, root::RootMotion, rotation::to_6d};
+use glam::Quat;
 
 /// A table of numbers, frames x width, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -187,7 +187,8 @@ pub fn frame_features(takes: &Takes, options: &FeatureOptions) -> Features {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Joint, Skeleton, TranslationTrack};
+    use crate::{Clip, Joint, Skeleton, TranslationTrack};
+    use glam::Vec3;
     use std::sync::Arc;
 
     /// Walks straight ahead, headed to `yaw`, with a swinging arm of two joints.

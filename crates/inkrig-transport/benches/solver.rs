@@ -1,4 +1,5 @@
-//! One outer iteration of the solver, on 1 and 2 threads, beside the bare pair of matrix products it contains.
+//! One outer iteration of the solver, on 1 and 2 threads, beside the bare pair of matrix products it contains; and of the
+//! three kinds of problem at 1500 x 1500.
 //!
 //! `cargo bench -p inkrig-transport`. `bare` is two N x N products by the `gemm` crate, in one call each on one thread, in
 //! blocks of rows on two; `iteration` is a warm start of 8 iterations divided by 8, set-up included.
@@ -10,7 +11,10 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use inkrig_transport::{Mat, MmSinkhorn, Params, Problem, Start, Workspace, matmul};
+use inkrig_transport::{
+    Mat, MmSinkhorn, Nystrom, Params, Problem, SparseProblem, SparseWorkspace, Start, Support, Workspace,
+    matmul,
+};
 
 const ITERATIONS: usize = 8;
 
@@ -81,5 +85,49 @@ fn solver(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, solver);
+/// One outer iteration at 1500 x 1500 on one thread: with matrices, with factors of rank 32, and with these on about 60
+/// entries a row.
+fn large(criterion: &mut Criterion) {
+    let n = 1500;
+    let mut group = criterion.benchmark_group(format!("{n}x{n}"));
+    group.sample_size(10).measurement_time(Duration::from_secs(5));
+    let (control, source) = (curve(n, 3.0), curve(n, 5.0));
+    let low = |mat: &Mat<f32>| {
+        Nystrom::default().fit(n, |i, out: &mut [f32]| out.copy_from_slice(mat.row(i))).unwrap()
+    };
+    let (low_control, low_source) = (low(&control), low(&source));
+    let params = Params { alpha: 1.0, ..Params::default() };
+    let warm = MmSinkhorn { iterations: ITERATIONS, start: Start::Continue, ..MmSinkhorn::default() };
+    let dense = Problem::new(control.view(), source.view(), None, params).unwrap();
+    let factors = Problem::with_distances((&low_control).into(), (&low_source).into(), None, params).unwrap();
+    let mut workspace = Workspace::new(1);
+    for (name, problem) in [("dense", &dense), ("rank 32", &factors)] {
+        MmSinkhorn { iterations: 10, ..MmSinkhorn::default() }.solve(problem, &mut workspace).unwrap();
+        group.bench_function(BenchmarkId::new("iteration", name), |bencher| {
+            bencher.iter_custom(|times| {
+                let start = std::time::Instant::now();
+                for _ in 0..times {
+                    warm.solve(problem, &mut workspace).unwrap();
+                }
+                start.elapsed() / ITERATIONS as u32
+            });
+        });
+    }
+    let support = Support::from_rows(n, n, |i, out| out.extend((0..60).map(|k| (i + 25 * k) % n))).unwrap();
+    let sparse = SparseProblem::new(&low_control, &low_source, &support, None, params).unwrap();
+    let mut workspace = SparseWorkspace::new(1);
+    MmSinkhorn { iterations: 10, ..MmSinkhorn::default() }.solve_sparse(&sparse, &mut workspace).unwrap();
+    group.bench_function(BenchmarkId::new("iteration", "60 entries a row"), |bencher| {
+        bencher.iter_custom(|times| {
+            let start = std::time::Instant::now();
+            for _ in 0..times {
+                warm.solve_sparse(&sparse, &mut workspace).unwrap();
+            }
+            start.elapsed() / ITERATIONS as u32
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, solver, large);
 criterion_main!(benches);

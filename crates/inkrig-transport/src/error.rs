@@ -53,6 +53,18 @@ pub enum TransportError {
         /// The value.
         value: f64,
     },
+    /// A linear cost is not finite or too large.
+    #[error("`{name}` holds {value} at row {row}, column {col}; values must lie between -1e6 and 1e6")]
+    Bias {
+        /// The argument.
+        name: &'static str,
+        /// Row of the first bad value.
+        row: usize,
+        /// Column of the first bad value.
+        col: usize,
+        /// The value.
+        value: f64,
+    },
     /// A distance matrix is not symmetric, or its diagonal is not zero.
     #[error(
         "`{name}` is not a self-distance matrix: {value} at row {row}, column {col}, expected {expected}; \
@@ -100,5 +112,39 @@ pub enum TransportError {
         rows: usize,
         /// Columns of the problem.
         cols: usize,
+    },
+    /// A mask names a row or a column that the problem has not.
+    #[error("the mask names {what} {index}, the problem has {count}; count from 0")]
+    MaskIndex {
+        /// "row" or "column".
+        what: &'static str,
+        /// The index given.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A mask fixes one row on two columns.
+    #[error("the mask fixes row {row} on column {first} and on column {second}; keep one of them")]
+    FixedTwice {
+        /// The row.
+        row: usize,
+        /// The column named first.
+        first: usize,
+        /// The other column.
+        second: usize,
+    },
+    /// A mask fixes a row on a column that it forbids.
+    #[error("the mask fixes row {row} on column {col}, which it also forbids; drop one of the two")]
+    FixedOnForbidden {
+        /// The row.
+        row: usize,
+        /// The column.
+        col: usize,
+    },
+    /// No column is left for a row.
+    #[error("no column is left for row {row}: every column it may use is forbidden; forbid fewer")]
+    NoColumn {
+        /// The first such row.
+        row: usize,
     },
 }

@@ -4,14 +4,19 @@
 //!
 //! The first term is constant along a row and vanishes in the row normalisation, so it is never computed.
 
+use crate::factor_product::FactorBuffers;
 use crate::kernels::{Product, SquareProduct, dispatch};
 use crate::parallel::{Chunk, PerBlock, block_rows, for_blocks};
-use crate::{Problem, Real, Workspace};
+use crate::{Distances, Problem, Real, Workspace};
 
 /// `workspace.sums = Dx^2 c`.
-pub(crate) fn square_product<T: Real>(workspace: &mut Workspace<T>) {
-    let Workspace { source, mass, sums, threads, isa, .. } = workspace;
-    let (m, stride) = (source.rows(), source.stride());
+pub(crate) fn square_product<T: Real>(problem: &Problem<'_, T>, workspace: &mut Workspace<T>) {
+    let Workspace { source, mass, sums, factors, threads, isa, .. } = workspace;
+    let m = problem.cols();
+    if let Distances::LowRank(low) = problem.source() {
+        return low.square_product(*isa, mass.row(0), factors, sums.row_mut(0));
+    }
+    let stride = source.stride();
     let (all, mass) = (source.all(), mass.all());
     let out = Chunk::new(&mut sums.all_mut()[..m], 1);
     // Smaller than that a hand-over to another thread costs more than it saves.
@@ -33,24 +38,54 @@ pub(crate) fn products<T: Real>(
 ) {
     let n = problem.rows();
     let block = workspace.block();
-    let Workspace { transport, half, kernel, source, partial, threads, isa, .. } = workspace;
-    let (stride, m) = (transport.stride(), source.rows());
-    let (control, transport, source) = (problem.control().as_slice(), transport.all(), source.all());
+    let Workspace { transport, half, kernel, source, factors, partial, threads, isa, .. } = workspace;
+    let (stride, m) = (transport.stride(), problem.cols());
     let skip = problem.params().alpha == 0.0;
+    let FactorBuffers { gathered, tall, .. } = factors;
+    if let Distances::LowRank(low) = problem.control()
+        && !skip
+    {
+        low.gather(*isa, *threads, transport, gathered);
+    }
+    let (transport, source, gathered) = (transport.all(), source.all(), gathered.all());
+    let narrow = if let Distances::LowRank(_) = problem.source() { tall.stride() } else { 0 };
     let work = (
-        Chunk::new(half.all_mut(), stride),
+        (Chunk::new(half.all_mut(), stride), Chunk::new(tall.all_mut(), narrow)),
         Chunk::new(kernel.all_mut(), stride),
         PerBlock::new(partial.all_mut(), stride, block),
     );
-    type Piece<'a, T> = (Chunk<'a, T>, Chunk<'a, T>, PerBlock<'a, T>);
-    for_blocks(*threads, n, block, work, &|first, rows, (half, kernel, sums): Piece<'_, T>| {
+    type Piece<'a, T> = ((Chunk<'a, T>, Chunk<'a, T>), Chunk<'a, T>, PerBlock<'a, T>);
+    for_blocks(*threads, n, block, work, &|first, rows, ((half, tall), kernel, sums): Piece<'_, T>| {
         if skip {
             kernel.data.fill(T::ZERO);
         } else {
-            let control = &control[first * n..(first + rows) * n];
-            Product { a: control, a_stride: n, b: transport, k: n, out: half.data, stride }.multiply(*isa);
-            Product { a: half.data, a_stride: stride, b: source, k: m, out: kernel.data, stride }
-                .multiply(*isa);
+            match problem.control() {
+                Distances::Dense(control) => {
+                    let a = &control.as_slice()[first * n..(first + rows) * n];
+                    Product { a, a_stride: n, b: transport, k: n, out: &mut *half.data, stride }
+                        .multiply(*isa);
+                }
+                Distances::LowRank(low) => {
+                    let plan = &transport[first * stride..];
+                    low.rows_of_product(*isa, first, gathered, plan, half.data, stride);
+                }
+            }
+            match problem.source() {
+                Distances::Dense(_) => {
+                    Product {
+                        a: half.data,
+                        a_stride: stride,
+                        b: source,
+                        k: m,
+                        out: &mut *kernel.data,
+                        stride,
+                    }
+                    .multiply(*isa);
+                }
+                Distances::LowRank(low) => {
+                    low.product_of_rows(*isa, half.data, tall.data, kernel.data, stride);
+                }
+            }
         }
         each(first, rows, kernel.data, sums.first());
     });

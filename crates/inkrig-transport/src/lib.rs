@@ -6,7 +6,7 @@
 //! "Xu & Gould 2024 (ASOT)":
 //!
 //! ```text
-//! minimise   alpha GW(T) + (1 - alpha) W(T) + lambda KL(T^T 1 || q) - epsilon H(T)     with   T 1 = p,  T >= 0
+//! minimise   alpha GW(T) + (1 - alpha) W(T) + <B, T> + lambda KL(T^T 1 || q) - epsilon H(T)    with  T 1 = p,  T >= 0
 //! GW(T) = sum_ijkl (Dy_ik - Dx_jl)^2 T_ij T_kl        W(T) = sum_ij C_ij T_ij
 //! KL(c || q) = sum_j c_j log(c_j / q_j) - c_j + q_j    H(T) = -sum_ij T_ij log T_ij
 //! p_i = 1/N,  q_j = 1/M
@@ -15,6 +15,17 @@
 //! [`MmSinkhorn`] is the solver to use; [`MirrorDescent`] is the reference it is checked against. Both work on a
 //! [`Problem`] and keep every buffer in a [`Workspace`], so that repeated solves allocate nothing. The crate knows
 //! matrices and nothing of motion.
+//!
+//! What a plan should or may not do is said on the problem: [`Problem::with_linear`] adds a linear cost `B`, for soft
+//! wishes; a [`Mask`] settles rows and forbids columns, exactly.
+//!
+//! Three sizes of problem:
+//!
+//! | points | distances | plan | gradient |
+//! |---|---|---|---|
+//! | up to about 3 000 | matrices ([`Problem::new`]) | dense | O(N M (N + M)) |
+//! | as long as N M numbers fit | [`LowRank`], by [`Nystrom`] ([`Problem::with_distances`]) | dense | O(N M r) |
+//! | more | [`LowRank`] ([`SparseProblem`]) | on a [`Support`] from a coarser plan | O((entries + N r + M r) r) |
 //!
 //! # Example
 //!
@@ -36,13 +47,19 @@
 //! # Ok::<(), inkrig_transport::TransportError>(())
 //! ```
 
+mod check;
+mod distances;
 mod error;
+mod factor_product;
 mod gradient;
 mod isa;
 mod kernels;
+mod low_rank;
+mod mask;
 mod mat;
 mod mirror_descent;
 mod mm_sinkhorn;
+mod nystrom;
 mod objective;
 mod padded;
 mod parallel;
@@ -51,19 +68,31 @@ mod problem;
 mod product;
 mod real;
 mod softmax;
+mod sparse_gradient;
+mod sparse_mm;
+mod sparse_problem;
+mod sparse_workspace;
+mod support;
 mod trace;
 mod workspace;
 
+pub use distances::Distances;
 pub use error::TransportError;
 pub use isa::Isa;
+pub use low_rank::LowRank;
+pub use mask::Mask;
 pub use mat::{Mat, MatRef};
 pub use mirror_descent::{MirrorDescent, Step};
 pub use mm_sinkhorn::MmSinkhorn;
+pub use nystrom::Nystrom;
 pub use objective::{Terms, terms};
 pub use plan::Plan;
 pub use problem::{Params, Problem};
 pub use product::{matmul, matmul_accumulate, matmul_transposed};
 pub use real::Real;
 pub use softmax::row_softmax;
+pub use sparse_problem::SparseProblem;
+pub use sparse_workspace::SparseWorkspace;
+pub use support::Support;
 pub use trace::{Record, Trace};
 pub use workspace::{Start, Workspace};

@@ -90,7 +90,7 @@ impl<T: Real> Mat<T> {
 }
 
 /// A borrowed [`Mat`]: row-major, without gaps.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MatRef<'a, T> {
     rows: usize,
     cols: usize,

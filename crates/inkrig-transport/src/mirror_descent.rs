@@ -101,19 +101,23 @@ fn set_log_plan<T: Real>(workspace: &mut Workspace<T>) {
 
 /// `workspace.column = 2 alpha Dx^2 c + lambda log(c / q)`.
 fn column_term<T: Real>(problem: &Problem<'_, T>, workspace: &mut Workspace<T>) {
-    square_product(workspace);
+    square_product(problem, workspace);
     let (two_alpha, lambda) =
         (T::from_f64(2.0 * problem.params().alpha), T::from_f64(problem.params().lambda));
-    let m = T::from_f64(problem.cols() as f64);
+    let m = T::from_f64(problem.allowed() as f64);
     let inputs = workspace.sums.row(0).iter().zip(workspace.mass.row(0));
     for (column, (&sum, &mass)) in workspace.column.row_mut(0).iter_mut().zip(inputs) {
         *column = two_alpha * sum + lambda * (mass.greater(T::TINY) * m).ln();
+    }
+    for &j in problem.mask().map_or(&[][..], |mask| &mask.columns) {
+        workspace.column.row_mut(0)[j] = T::HUGE;
     }
 }
 
 fn safe_step<T: Real>(problem: &Problem<'_, T>, workspace: &Workspace<T>) -> f64 {
     let params = problem.params();
     let scale = T::from_f64(-4.0 * params.alpha);
+    let excluded = 0.5 * T::HUGE.to_f64();
     let mut range = 0.0f64;
     for i in 0..problem.rows() {
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -121,7 +125,8 @@ fn safe_step<T: Real>(problem: &Problem<'_, T>, workspace: &Workspace<T>) -> f64
         for (&product, (&linear, &column)) in workspace.kernel.row(i).iter().zip(terms) {
             let x = (linear + column + scale * product).to_f64();
             least = least.min(x);
-            most = most.max(x);
+            // Excluded entries are no part of the range.
+            most = if x < excluded { most.max(x) } else { most };
         }
         range = range.max(most - least);
     }
@@ -147,8 +152,25 @@ fn descend<T: Real>(problem: &Problem<'_, T>, workspace: &mut Workspace<T>, step
     for_blocks(*threads, n, block, work, &|first, count, (rows, (log_plan, plan), sums): Piece<'_, T>| {
         let linear = &linear[first * stride..(first + count) * stride];
         let (rows, log_plan, plan, sums) = (rows.data, log_plan.data, plan.data, sums.first());
-        let step = Mirror { rows, linear, column, scale, decay, step, p, stride, cols, log_plan, plan, sums };
+        let plan_rows = &mut *plan;
+        let step = Mirror {
+            rows,
+            linear,
+            column,
+            scale,
+            decay,
+            step,
+            p,
+            stride,
+            cols,
+            log_plan,
+            plan: plan_rows,
+            sums,
+        };
         dispatch(*isa, step);
+        if let Some(mask) = problem.mask() {
+            mask.settle(plan, stride, first, count, p);
+        }
     });
     reduce(partial.all(), mass.all_mut());
 }

@@ -1,8 +1,9 @@
 use crate::gradient::{SMALL, products, reduce, square_product};
 use crate::kernels::{Gibbs, PlanRows, Scaling, Sweep, dispatch};
 use crate::objective::terms_with_product;
+use crate::padded::Padded;
 use crate::parallel::{Chunk, PerBlock, enter, for_blocks};
-use crate::{Problem, Real, Record, Start, Trace, TransportError, Workspace};
+use crate::{Params, Problem, Real, Record, Start, Trace, TransportError, Workspace};
 
 /// The solver to use: majorise-minimise with Sinkhorn sweeps.
 ///
@@ -69,7 +70,7 @@ impl MmSinkhorn {
         Ok(trace)
     }
 
-    fn validate(&self) -> Result<(), TransportError> {
+    pub(crate) fn validate(&self) -> Result<(), TransportError> {
         let check = |name, value: f64, good: bool, range| {
             if good && value.is_finite() {
                 Ok(())
@@ -108,18 +109,12 @@ impl MmSinkhorn {
 
     /// `workspace.log_target`, and `workspace.column`: the gradient's column term less the scaling to hold.
     fn target<T: Real>(&self, problem: &Problem<'_, T>, workspace: &mut Workspace<T>) {
-        let params = problem.params();
-        square_product(workspace);
-        let (m, sum) = (problem.cols(), params.lambda + self.mu);
-        let share = if sum > 0.0 { self.mu / sum } else { 0.0 };
-        let (share, constant) = (T::from_f64(share), T::from_f64((share - 1.0) * (m as f64).ln()));
-        let (two_alpha, epsilon) = (T::from_f64(2.0 * params.alpha), T::from_f64(params.epsilon));
+        square_product(problem, workspace);
         let Workspace { sums, held, column, log_target, mass, .. } = workspace;
-        let (sums, held, mass) = (sums.row(0), held.row(0), mass.row(0));
-        let out = column.row_mut(0).iter_mut().zip(log_target.row_mut(0));
-        for (j, (column, log_target)) in out.enumerate() {
-            *column = two_alpha * sums[j] - epsilon * held[j];
-            *log_target = constant + share * mass[j].greater(T::TINY).ln();
+        let (params, allowed) = (problem.params(), problem.allowed());
+        set_target(params, self.mu, allowed, sums.row(0), held.row(0), mass.row(0), column, log_target);
+        for &j in problem.mask().map_or(&[][..], |mask| &mask.columns) {
+            (column.row_mut(0)[j], log_target.row_mut(0)[j]) = (T::HUGE, -T::HUGE);
         }
     }
 
@@ -129,14 +124,19 @@ impl MmSinkhorn {
         let scale = T::from_f64(-4.0 * params.alpha);
         let inverse_epsilon = T::from_f64(1.0 / params.epsilon);
         let p = T::from_f64(1.0 / problem.rows() as f64);
-        let (cols, isa) = (problem.cols(), workspace.isa);
+        let (cols, isa, mask) = (problem.cols(), workspace.isa, problem.mask());
         let column = std::mem::take(&mut workspace.column);
         let linear = std::mem::take(&mut workspace.linear);
         let (stride, terms) = (linear.stride(), linear.all());
         products(problem, workspace, &|first, count, rows, sums| {
             let linear = &terms[first * stride..(first + count) * stride];
             let column = column.all();
-            dispatch(isa, Gibbs { rows, linear, column, scale, inverse_epsilon, p, stride, cols, sums });
+            let gibbs =
+                Gibbs { rows: &mut *rows, linear, column, scale, inverse_epsilon, p, stride, cols, sums };
+            dispatch(isa, gibbs);
+            if let Some(mask) = mask {
+                mask.settle(rows, stride, first, count, T::ONE);
+            }
         });
         workspace.column = column;
         workspace.linear = linear;
@@ -166,6 +166,10 @@ impl MmSinkhorn {
                     cols,
                 },
             );
+            // With a scaling of 0, what the exponent's floor has left in a forbidden column never comes into the plan.
+            for &j in problem.mask().map_or(&[][..], |mask| &mask.columns) {
+                (scaling.row_mut(0)[j], log_scaling.row_mut(0)[j]) = (T::ZERO, T::ZERO);
+            }
             trace.sweeps += 1;
             if done >= self.sweeps || change.to_f64() < self.sweep_tolerance {
                 break;
@@ -197,11 +201,37 @@ impl MmSinkhorn {
         type Piece<'a, T> = (Chunk<'a, T>, PerBlock<'a, T>, PerBlock<'a, f64>);
         for_blocks(threads, n, block, work, &|first, count, (plan, sums, change): Piece<'_, T>| {
             let rows = &all[first * stride..(first + count) * stride];
-            let kernel = PlanRows { rows, v, p, stride, plan: plan.data, sums: sums.first(), watch };
+            let kernel = PlanRows { rows, v, p, stride, plan: &mut *plan.data, sums: sums.first(), watch };
             change.first()[0] = dispatch(*isa, kernel);
+            if let Some(mask) = problem.mask() {
+                mask.settle(plan.data, stride, first, count, p);
+            }
         });
         reduce(partial.all(), mass.all_mut());
         partial_change[..n.div_ceil(block)].iter().sum()
+    }
+}
+
+/// `log_target` from the column `mass`, and `column` from `sums` = Dx^2 c less the scaling `held`.
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn set_target<T: Real>(
+    params: Params,
+    mu: f64,
+    allowed: usize,
+    sums: &[T],
+    held: &[T],
+    mass: &[T],
+    column: &mut Padded<T>,
+    log_target: &mut Padded<T>,
+) {
+    let sum = params.lambda + mu;
+    let share = if sum > 0.0 { mu / sum } else { 0.0 };
+    let (share, constant) = (T::from_f64(share), T::from_f64((share - 1.0) * (allowed as f64).ln()));
+    let (two_alpha, epsilon) = (T::from_f64(2.0 * params.alpha), T::from_f64(params.epsilon));
+    let out = column.row_mut(0).iter_mut().zip(log_target.row_mut(0));
+    for (j, (column, log_target)) in out.enumerate() {
+        *column = two_alpha * sums[j] - epsilon * held[j];
+        *log_target = constant + share * mass[j].greater(T::TINY).ln();
     }
 }
 

@@ -38,6 +38,19 @@ impl<T: Send> Rows for Chunk<'_, T> {
     }
 }
 
+/// Mutable rows of lengths of their own: row i is `starts[i] - starts[0] .. starts[i + 1] - starts[0]`.
+pub(crate) struct Ragged<'a, T> {
+    pub(crate) data: &'a mut [T],
+    pub(crate) starts: &'a [usize],
+}
+
+impl<T: Send> Rows for Ragged<'_, T> {
+    fn cut(self, row: usize) -> (Self, Self) {
+        let (a, b) = self.data.split_at_mut(self.starts[row] - self.starts[0]);
+        (Self { data: a, starts: &self.starts[..=row] }, Self { data: b, starts: &self.starts[row..] })
+    }
+}
+
 impl<A: Rows, B: Rows> Rows for (A, B) {
     fn cut(self, row: usize) -> (Self, Self) {
         let ((a, x), (b, y)) = (self.0.cut(row), self.1.cut(row));

@@ -1,4 +1,5 @@
-use crate::{MatRef, Real, TransportError};
+use crate::check::{check_bias, check_distances, check_shape, check_values};
+use crate::{Distances, Mask, MatRef, Real, TransportError};
 
 /// Weights of the objective's terms; "MAMM (SIGGRAPH 2025), Sec. 3.2.4".
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,9 +51,13 @@ impl Params {
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Problem<'a, T: Real> {
-    control: MatRef<'a, T>,
-    source: MatRef<'a, T>,
+    control: Distances<'a, T>,
+    source: Distances<'a, T>,
     cost: Option<MatRef<'a, T>>,
+    linear: Option<MatRef<'a, T>>,
+    mask: Option<&'a Mask>,
+    /// Source points that may be used.
+    allowed: usize,
     params: Params,
 }
 
@@ -92,10 +97,25 @@ impl<'a, T: Real> Problem<'a, T> {
         cost: Option<MatRef<'a, T>>,
         params: Params,
     ) -> Result<Self, TransportError> {
-        let (n, m) = (control.rows(), source.rows());
-        let square = "self-distances are square";
-        check_shape("control", control, n, n, square)?;
-        check_shape("source", source, m, m, square)?;
+        Self::with_distances(control.into(), source.into(), cost, params)
+    }
+
+    /// As [`new_unchecked_values`](Self::new_unchecked_values), for distances of either kind.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), shapes and parameters only.
+    pub fn with_distances(
+        control: Distances<'a, T>,
+        source: Distances<'a, T>,
+        cost: Option<MatRef<'a, T>>,
+        params: Params,
+    ) -> Result<Self, TransportError> {
+        let (n, m) = (control.len(), source.len());
+        for (name, distances) in [("control", control), ("source", source)] {
+            if let Distances::Dense(mat) = distances {
+                check_shape(name, mat, mat.rows(), mat.rows(), "self-distances are square")?;
+            }
+        }
         params.validate()?;
         match cost {
             Some(cost) => {
@@ -104,81 +124,76 @@ impl<'a, T: Real> Problem<'a, T> {
             None if params.alpha < 1.0 => return Err(TransportError::MissingCost { alpha: params.alpha }),
             None => {}
         }
-        Ok(Self { control, source, cost, params })
+        Ok(Self { control, source, cost, linear: None, mask: None, allowed: m, params })
+    }
+
+    /// Adds a linear cost of its own, N x M, to the objective: `sum_ij B_ij T_ij`, without a weight. Soft wishes go here:
+    /// for pairs that should match, with weights, the caller sums up `alpha` times the squared differences of distances.
+    /// Values may be negative; none may exceed 1e6. Replaces an earlier one.
+    ///
+    /// # Errors
+    /// [`TransportError::Shape`]; [`TransportError::Bias`], as the values are read once.
+    pub fn with_linear(self, bias: MatRef<'a, T>) -> Result<Self, TransportError> {
+        let hint = "one row per control point and one column per source point";
+        check_shape("bias", bias, self.rows(), self.cols(), hint)?;
+        check_bias("bias", bias)?;
+        Ok(Self { linear: Some(bias), ..self })
+    }
+
+    /// Limits the plan, exactly and from the start on: see [`Mask`]. Replaces an earlier one.
+    ///
+    /// # Errors
+    /// [`TransportError::MaskIndex`], [`TransportError::FixedTwice`], [`TransportError::FixedOnForbidden`],
+    /// [`TransportError::NoColumn`].
+    pub fn with_mask(self, mask: &'a Mask) -> Result<Self, TransportError> {
+        let allowed = mask.check(self.rows(), self.cols())?;
+        Ok(Self { mask: Some(mask), allowed, ..self })
     }
 
     /// N, the number of control points: rows of the plan.
     pub fn rows(&self) -> usize {
-        self.control.rows()
+        self.control.len()
     }
 
     /// M, the number of source points: columns of the plan.
     pub fn cols(&self) -> usize {
-        self.source.rows()
+        self.source.len()
     }
 
-    /// Distances within the control, N x N.
-    pub fn control(&self) -> MatRef<'a, T> {
+    /// Distances within the control, of N points.
+    pub fn control(&self) -> Distances<'a, T> {
         self.control
     }
 
-    /// Distances within the source, M x M.
-    pub fn source(&self) -> MatRef<'a, T> {
+    /// Distances within the source, of M points.
+    pub fn source(&self) -> Distances<'a, T> {
         self.source
     }
 
-    /// Linear cost, N x M.
+    /// Cost between the two sides, N x M.
     pub fn cost(&self) -> Option<MatRef<'a, T>> {
         self.cost
+    }
+
+    /// The linear cost added to the gradient as it is, N x M.
+    pub fn linear(&self) -> Option<MatRef<'a, T>> {
+        self.linear
+    }
+
+    /// The limits on the plan.
+    pub fn mask(&self) -> Option<&'a Mask> {
+        self.mask
+    }
+
+    /// The source points that may be used: M less the forbidden ones. The target mass of each is one part of that many.
+    pub fn allowed(&self) -> usize {
+        self.allowed
     }
 
     /// The weights.
     pub fn params(&self) -> Params {
         self.params
     }
-}
-
-fn check_shape<T: Real>(
-    name: &'static str,
-    mat: MatRef<'_, T>,
-    expected_rows: usize,
-    expected_cols: usize,
-    hint: &'static str,
-) -> Result<(), TransportError> {
-    let (rows, cols) = (mat.rows(), mat.cols());
-    if rows == 0 || cols == 0 {
-        return Err(TransportError::Empty { name });
-    }
-    if (rows, cols) != (expected_rows, expected_cols) {
-        return Err(TransportError::Shape { name, rows, cols, expected_rows, expected_cols, hint });
-    }
-    Ok(())
-}
-
-fn check_values<T: Real>(name: &'static str, mat: MatRef<'_, T>) -> Result<(), TransportError> {
-    let limit = T::from_f64(1e6);
-    let good = |x: T| x >= T::ZERO && x <= limit;
-    match mat.as_slice().iter().position(|&x| !good(x)) {
-        None => Ok(()),
-        Some(at) => {
-            let (row, col) = (at / mat.cols(), at % mat.cols());
-            Err(TransportError::Value { name, row, col, value: mat.row(row)[col].to_f64() })
-        }
-    }
-}
-
-fn check_distances<T: Real>(name: &'static str, mat: MatRef<'_, T>) -> Result<(), TransportError> {
-    check_values(name, mat)?;
-    for row in 0..mat.rows() {
-        for col in 0..=row {
-            let value = mat.row(row)[col].to_f64();
-            let expected = if row == col { 0.0 } else { mat.row(col)[row].to_f64() };
-            if (value - expected).abs() > 1e-3 * expected.abs().max(1.0) {
-                return Err(TransportError::Distance { name, row, col, value, expected });
-            }
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

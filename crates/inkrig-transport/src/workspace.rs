@@ -1,6 +1,7 @@
+use crate::factor_product::FactorBuffers;
 use crate::padded::Padded;
 use crate::parallel::{block_rows, blocks};
-use crate::{Isa, MatRef, Plan, Problem, Real, TransportError};
+use crate::{Distances, Isa, MatRef, Plan, Problem, Real, TransportError};
 
 /// Where a solve begins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,12 +31,14 @@ pub struct Workspace<T: Real> {
     pub(crate) half: Padded<T>,
     /// Dy T Dx, then the Gibbs kernel, N x M.
     pub(crate) kernel: Padded<T>,
-    /// (1 - alpha) C and whatever else is linear in T, N x M.
+    /// (1 - alpha) C and whatever else is linear in T, N x M; HUGE where a settled row may not go.
     pub(crate) linear: Padded<T>,
     /// log T, N x M; mirror descent only.
     pub(crate) log_plan: Padded<T>,
-    /// A copy of Dx with padded rows, M x M.
+    /// A copy of Dx with padded rows, M x M; of a former solve when distances come by factors.
     pub(crate) source: Padded<T>,
+    /// What products with low-rank distances need.
+    pub(crate) factors: FactorBuffers<T>,
     /// Vectors of M: the gradient's part that depends on the column only, the column mass of T, sums over rows,
     /// log of the target mass, the scaling held in the kernel (as a logarithm), the scaling, its logarithm.
     pub(crate) column: Padded<T>,
@@ -66,6 +69,7 @@ impl<T: Real> Workspace<T> {
             linear: Padded::default(),
             log_plan: Padded::default(),
             source: Padded::default(),
+            factors: FactorBuffers::default(),
             column: Padded::default(),
             mass: Padded::default(),
             sums: Padded::default(),
@@ -112,7 +116,7 @@ impl<T: Real> Workspace<T> {
         self.held.reset(1, m, T::ZERO);
         self.mass.reset(1, m, T::ZERO);
         for i in 0..n {
-            self.transport.row_mut(i).copy_from_slice(plan.row(i));
+            plan.row_into(i, self.transport.row_mut(i));
         }
         self.mass.row_mut(0).copy_from_slice(plan.column_mass());
         self.finish();
@@ -143,8 +147,16 @@ impl<T: Real> Workspace<T> {
             self.transport.reset(n, m, T::ZERO);
             self.fill_start(if let Start::Perturbed(seed) = start { seed } else { 0 });
         }
+        if let Some(mask) = problem.mask()
+            && mask.apply(&mut self.transport, problem.allowed())
+        {
+            self.sum_columns();
+        }
         self.set_linear(problem);
-        self.set_source(problem.source());
+        match problem.source() {
+            Distances::Dense(source) => self.set_source(source),
+            Distances::LowRank(low) => self.factors.tall.shape(n, low.left.cols()),
+        }
         Ok(())
     }
 
@@ -168,7 +180,16 @@ impl<T: Real> Workspace<T> {
                 let scale = T::from_f64(p / row.iter().map(|t| t.to_f64()).sum::<f64>());
                 row.iter_mut().for_each(|t| *t *= scale);
             }
-            self.mass.row_mut(0).iter_mut().zip(self.transport.row(i)).for_each(|(c, &t)| *c += t);
+        }
+        self.sum_columns();
+    }
+
+    /// `mass = T^T 1`.
+    fn sum_columns(&mut self) {
+        let mass = self.mass.row_mut(0);
+        mass.fill(T::ZERO);
+        for i in 0..self.transport.rows() {
+            mass.iter_mut().zip(self.transport.row(i)).for_each(|(c, &t)| *c += t);
         }
     }
 
@@ -182,7 +203,15 @@ impl<T: Real> Workspace<T> {
                 Some(cost) => row.iter_mut().zip(cost.row(i)).for_each(|(l, &c)| *l = weight * c),
                 None => row[..m].fill(T::ZERO),
             }
+            if let Some(bias) = problem.linear() {
+                row.iter_mut().zip(bias.row(i)).for_each(|(l, &b)| *l += b);
+            }
             row[m..].fill(T::HUGE);
+        }
+        for &(i, j) in problem.mask().map_or(&[][..], |mask| &mask.rows) {
+            let row = &mut self.linear.all_mut()[i * stride..][..stride];
+            row.fill(T::HUGE);
+            row[j] = T::ZERO;
         }
     }
 
@@ -203,7 +232,7 @@ impl<T: Real> Workspace<T> {
 }
 
 /// Uniform in -1..1: splitmix64.
-fn noise(state: &mut u64) -> f64 {
+pub(crate) fn noise(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,5 +1,6 @@
 //! The command line, as people see it.
 
+use crate::numbers;
 use crate::span::{Length, Span};
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use std::path::PathBuf;
@@ -28,7 +29,7 @@ pub enum Command {
     /// Write a finished example to a folder and say what to open
     #[command(after_help = "Examples:\n  inkrig demo\n  inkrig demo my-folder")]
     Demo(DemoArgs),
-    /// Re-arrange a clip so that it follows a drawn curve or another motion
+    /// Re-arrange a clip so that it follows a curve, a wave, labels or another motion
     #[command(after_help = ALIGN_EXAMPLES)]
     Align(Box<AlignArgs>),
     /// Say what is in a motion file: skeleton, frames, unit, problems
@@ -55,6 +56,11 @@ Examples:
   inkrig align walk.bvh run.bvh --like horse.bvh --loop -o new.bvh
       two clips of one skeleton move as a horse does, in a loop
 
+  inkrig align walk.bvh --wave 'sine(0.5Hz..2Hz) for 10s' -o new.bvh
+      a movement that comes and goes, faster and faster
+  inkrig align person.bvh --labels 'A:3s B:2s A:3s' --key '4s=frame:320' -o new.bvh
+      two kinds of movement in turn; four seconds in, the pose of frame 320 of the clip
+
 Curves: JSON ([[x,y],...] or [[x,y,t],...]), CSV (x,y or x,y,t; n rows without t are n frames of 30 a second), SVG (its paths).";
 
 /// Arguments of `inkrig demo`.
@@ -63,6 +69,9 @@ pub struct DemoArgs {
     /// The folder to write to; made if it is not there
     #[arg(default_value = "inkrig-demo", value_hint = ValueHint::DirPath)]
     pub folder: PathBuf,
+    /// Replace files of the same names even where they are not the demo's own
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// Arguments of `inkrig inspect`.
@@ -80,13 +89,13 @@ pub struct InspectArgs {
 #[derive(Debug, Args)]
 pub struct ImportArgs {
     /// Metres in one unit of the file (0.01 for centimetres); guessed if not given
-    #[arg(long, value_name = "METRES", value_parser = parse_unit, help_heading = "Reading")]
+    #[arg(long, value_name = "METRES", value_parser = numbers::unit, allow_negative_numbers = true, help_heading = "Reading")]
     pub unit: Option<f64>,
     /// The axis that points up in the file
     #[arg(long, value_name = "AXIS", help_heading = "Reading")]
     pub up: Option<Up>,
     /// Frames a second of the file, where it says nothing usable or the wrong thing
-    #[arg(long, value_name = "RATE", help_heading = "Reading")]
+    #[arg(long, value_name = "RATE", value_parser = numbers::source_fps, allow_negative_numbers = true, help_heading = "Reading")]
     pub source_fps: Option<f64>,
 }
 
@@ -111,14 +120,23 @@ pub struct AlignArgs {
     /// The file to write
     #[arg(long, short, value_name = "OUT.bvh", value_hint = ValueHint::FilePath)]
     pub out: PathBuf,
+    /// A pose at a time: exactly (0.5s=frame:120) or softly, at a time or place (0.5s~frame:120, 0.3,-1~frame:120*0.5)
+    #[arg(long = "key", value_name = "KEY", help_heading = "Keyframes", allow_hyphen_values = true)]
+    pub keys: Vec<String>,
+    /// A moment that must not appear (frame:120, or with a radius frame:120~0.5)
+    #[arg(long = "never", value_name = "FRAME", help_heading = "Keyframes")]
+    pub nevers: Vec<String>,
+    /// Keyframes from a JSON file
+    #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath, help_heading = "Keyframes")]
+    pub key_file: Option<PathBuf>,
     /// Make a loop: the end goes over into the beginning
     #[arg(long = "loop")]
     pub cyclic: bool,
     /// Use only a part of the clip (of every clip): frames of the file or seconds
     #[arg(long, value_name = "FROM..TO")]
     pub range: Option<Span>,
-    /// Length of the result: frames of 30 a second, or seconds; else the curve's own
-    #[arg(long, value_name = "300|10s")]
+    /// Length of the result: frames of 30 a second, or seconds, at most an hour; else the curve's own
+    #[arg(long, value_name = "300|10s", value_parser = numbers::length, allow_negative_numbers = true)]
     pub length: Option<Length>,
     /// Ignore the speed of drawing: move along the curve evenly
     #[arg(long)]
@@ -126,8 +144,8 @@ pub struct AlignArgs {
     /// Follow the drawing closely, or stay near to the clip's own poses
     #[arg(long, value_enum, default_value_t = PresetArg::Follow)]
     pub preset: PresetArg,
-    /// Frames a second of the result; else the clip's own
-    #[arg(long, value_name = "RATE")]
+    /// Frames a second of the result, 0.1 to 1000; else the clip's own
+    #[arg(long, value_name = "RATE", value_parser = numbers::fps, allow_negative_numbers = true)]
     pub fps: Option<f64>,
 
     /// Write the numbers as JSON
@@ -144,28 +162,28 @@ pub struct AlignArgs {
     pub force: bool,
 
     /// Weight of the drawing's structure against nearness to the clip, 0 to 1 [default: 0.9, natural: 0.7]
-    #[arg(long, help_heading = "Fine tuning")]
+    #[arg(long, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub alpha: Option<f64>,
     /// Weight of using the whole clip evenly [default: 0.05]
-    #[arg(long, help_heading = "Fine tuning")]
+    #[arg(long, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub lambda: Option<f64>,
     /// How many poses may be mixed into one; smaller is sharper [default: 0.005]
-    #[arg(long, help_heading = "Fine tuning")]
+    #[arg(long, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub epsilon: Option<f64>,
     /// Length of the pieces that are matched, seconds [default: 0.367]
-    #[arg(long, value_name = "SECONDS", help_heading = "Fine tuning")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub patch: Option<f64>,
     /// Number of levels from coarse to fine [default: 6]
-    #[arg(long, help_heading = "Fine tuning")]
+    #[arg(long, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub levels: Option<usize>,
     /// How many times shorter the coarsest level is [default: 4]
-    #[arg(long, help_heading = "Fine tuning")]
+    #[arg(long, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub ratio: Option<f64>,
     /// Solver gradients of every round [default: 4]
-    #[arg(long, help_heading = "Fine tuning")]
+    #[arg(long, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub iterations: Option<usize>,
     /// Smoothing of the drawn curve, frames; 0 for none
-    #[arg(long, value_name = "FRAMES", default_value_t = 2.0, help_heading = "Fine tuning")]
+    #[arg(long, value_name = "FRAMES", default_value_t = 2.0, value_parser = numbers::smooth, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub smooth: f64,
     /// Another seed finds another of the equally good solutions
     #[arg(long, default_value_t = 0, help_heading = "Fine tuning")]
@@ -179,8 +197,8 @@ pub struct AlignArgs {
     /// Compare rotations relative to the parent joint, or to the root
     #[arg(long, value_enum, help_heading = "Fine tuning")]
     pub rotations: Option<RotationArg>,
-    /// Threads to work with; the result does not depend on it [default: all cores]
-    #[arg(long, help_heading = "Fine tuning")]
+    /// Threads to work with; the result does not depend on it [default: all cores, at most 16]
+    #[arg(long, value_parser = numbers::threads, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub threads: Option<usize>,
 
     #[command(flatten)]
@@ -195,6 +213,12 @@ pub struct ControlArgs {
     /// Follow a drawn curve: JSON, CSV or SVG
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "What to follow")]
     pub curve: Option<PathBuf>,
+    /// Follow a wave: an expression, or a CSV or JSON file of values
+    #[arg(long, value_name = "WAVE|FILE", help_heading = "What to follow", allow_hyphen_values = true)]
+    pub wave: Option<String>,
+    /// Follow labels: which movement each is, is found by itself
+    #[arg(long, value_name = "A:30 B:45|FILE", help_heading = "What to follow")]
+    pub labels: Option<String>,
     /// Follow another motion, of any skeleton
     #[arg(long, value_name = "FILE.bvh", value_hint = ValueHint::FilePath, help_heading = "What to follow")]
     pub like: Option<PathBuf>,
@@ -202,8 +226,18 @@ pub struct ControlArgs {
 
 impl ControlArgs {
     /// The file that is followed.
-    pub fn file(&self) -> Option<&PathBuf> {
-        self.curve.as_ref().or(self.like.as_ref())
+    pub fn file(&self) -> Option<PathBuf> {
+        let text = self.wave.as_deref().or(self.labels.as_deref());
+        self.curve
+            .clone()
+            .or_else(|| self.like.clone())
+            .or_else(|| text.and_then(crate::commands::control::file_in))
+    }
+
+    /// The wave or labels themselves, where they were given as text.
+    pub fn text(&self) -> Option<&str> {
+        let text = self.wave.as_deref().or(self.labels.as_deref())?;
+        crate::commands::control::file_in(text).is_none().then_some(text)
     }
 }
 
@@ -245,15 +279,6 @@ pub enum RotationArg {
     Local,
     /// The root's.
     Root,
-}
-
-fn parse_unit(text: &str) -> Result<f64, String> {
-    let metres: f64 = text.parse().map_err(|_| format!("`{text}` is not a number of metres (try 0.01)"))?;
-    if metres.is_finite() && (1e-6..=1e6).contains(&metres) {
-        Ok(metres)
-    } else {
-        Err(format!("`{text}` metres is no usable unit (try 0.01 for centimetres)"))
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,9 @@
 //! What the program says when it cannot go on.
+//!
+//! Messages hold what caused them, made printable. The causes are no `source`s, or they would be printed twice.
 
 use crate::output::OutputError;
+use crate::printable;
 use crate::sheet::SheetError;
 use inkrig_align::AlignError;
 use inkrig_formats::FormatError;
@@ -13,15 +16,15 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum CliError {
     /// A file could not be opened or read.
-    #[error("{path} could not be read: {source}")]
+    #[error("{} could not be read: {cause}", printable::path(path))]
     Read {
         /// The file.
         path: PathBuf,
         /// What the system said.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// A file is larger than anything that is read.
-    #[error("{path} is larger than {most} bytes, the most that is read")]
+    #[error("{} is larger than {most} bytes, the most that is read", printable::path(path))]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -29,7 +32,7 @@ pub enum CliError {
         most: usize,
     },
     /// The name does not say what is inside.
-    #[error("{path}: what kind of file this is cannot be told from its name")]
+    #[error("{}: what kind of file this is cannot be told from its name", printable::path(path))]
     #[diagnostic(help("{known}"))]
     Kind {
         /// The file.
@@ -38,38 +41,82 @@ pub enum CliError {
         known: &'static str,
     },
     /// A motion file that cannot be understood.
-    #[error("{path}: {source}")]
+    #[error("{}: {}", printable::path(path), printable::text(cause))]
     Format {
         /// The file.
         path: PathBuf,
         /// Where and what.
-        source: Box<FormatError>,
+        cause: Box<FormatError>,
     },
     /// A clip that cannot be used as asked.
-    #[error("{path}: {source}")]
+    #[error("{}: {}", printable::path(path), printable::text(cause))]
     Clip {
         /// The file.
         path: PathBuf,
         /// What is wrong.
-        source: MotionError,
+        cause: MotionError,
+    },
+    /// A range that holds no frame of a clip.
+    #[error(
+        "{}: --range {range} holds nothing of it; the clip ends at {} s, which is frame {frames}",
+        printable::path(path),
+        printable::fixed(*seconds, 2)
+    )]
+    Range {
+        /// The file.
+        path: PathBuf,
+        /// What was asked for.
+        range: crate::span::Span,
+        /// The clip's length, seconds.
+        seconds: f64,
+        /// The clip's length, frames.
+        frames: usize,
     },
     /// A drawing that cannot be understood.
-    #[error("{path}: {source}")]
+    #[error("{}: {}", printable::path(path), printable::text(cause))]
     Curve {
         /// The file.
         path: PathBuf,
         /// Where and what.
-        source: SketchError,
+        cause: Box<SketchError>,
+    },
+    /// A wave or labels on the command line that cannot be understood.
+    #[error("{flag}: {cause}")]
+    Text {
+        /// The flag.
+        flag: &'static str,
+        /// Where and what.
+        cause: Box<SketchError>,
+    },
+    /// A keyframe on the command line that cannot be understood.
+    #[error("the keyframe `{}` cannot be used", printable::text(text))]
+    #[diagnostic(help("{known}"))]
+    Key {
+        /// What was given.
+        text: String,
+        /// How keyframes are written.
+        known: &'static str,
+    },
+    /// A file of keyframes that cannot be understood.
+    #[error("{}: {cause}", printable::path(path))]
+    #[diagnostic(help(
+        r#"a list such as [{{"time": 0.5, "frame": 120}}, {{"at": [0.3, -1], "frame": 60, "weight": 0.5}}, {{"never": 300}}]"#
+    ))]
+    KeyFile {
+        /// The file.
+        path: PathBuf,
+        /// Where and what.
+        cause: String,
     },
     /// Two results would go to one file, or a result over an input.
-    #[error("{0} is named twice: every input and result needs a name of its own")]
+    #[error("{} is named twice: every input and result needs a name of its own", printable::path(.0))]
     SameFile(PathBuf),
     /// The engine could not align.
-    #[error(transparent)]
-    Align(#[from] AlignError),
-    /// A clip could not be cut or resampled.
-    #[error(transparent)]
-    Motion(#[from] MotionError),
+    #[error("{}", printable::text(.0))]
+    Align(Box<AlignError>),
+    /// A clip could not be joined or resampled.
+    #[error("{}", printable::text(.0))]
+    Motion(MotionError),
     /// A result could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -77,11 +124,20 @@ pub enum CliError {
     #[error(transparent)]
     Sheet(#[from] SheetError),
     /// A result could not be put in its file format.
-    #[error("the result could not be written: {0}")]
+    #[error("the result could not be written: {}", printable::text(.0))]
     Export(Box<FormatError>),
     /// Text could not be turned into JSON.
-    #[error("the report could not be written as JSON: {0}")]
-    Json(#[from] serde_json::Error),
+    #[error("the report could not be written as JSON: {cause}")]
+    Json {
+        /// What is wrong.
+        cause: serde_json::Error,
+    },
+    /// Standard output could not be written.
+    #[error("standard output could not be written: {cause}")]
+    Print {
+        /// What the system said.
+        cause: std::io::Error,
+    },
 }
 
 impl From<FormatError> for CliError {
@@ -91,9 +147,30 @@ impl From<FormatError> for CliError {
     }
 }
 
+impl From<AlignError> for CliError {
+    fn from(error: AlignError) -> Self {
+        Self::Align(Box::new(error))
+    }
+}
+
+impl From<MotionError> for CliError {
+    fn from(error: MotionError) -> Self {
+        Self::Motion(error)
+    }
+}
+
+impl From<serde_json::Error> for CliError {
+    fn from(cause: serde_json::Error) -> Self {
+        Self::Json { cause }
+    }
+}
+
 impl CliError {
     /// The process's exit code: 130 when the user stopped it (as shells expect), else 1. Wrong usage is 2, by clap.
     pub fn exit_code(&self) -> u8 {
-        if matches!(self, Self::Align(AlignError::Cancelled)) { 130 } else { 1 }
+        match self {
+            Self::Align(error) if matches!(**error, AlignError::Cancelled) => 130,
+            _ => 1,
+        }
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::cli::{ImportArgs, Up};
 use crate::error::CliError;
-use inkrig_formats::{Format, Import, ImportOptions, UpAxis, read_motion};
+use crate::printable;
+use inkrig_formats::{Finding, Format, Import, ImportOptions, Severity, UpAxis, read_motion};
 use inkrig_sketch::{Curve, read_curve};
 use std::fs::File;
 use std::io::Read;
@@ -28,7 +29,7 @@ pub fn motion(path: &Path, args: &ImportArgs) -> Result<Import, CliError> {
     };
     let bytes = bytes(path, options.limits.bytes)?;
     read_motion(&bytes, format, &options)
-        .map_err(|error| CliError::Format { path: path.to_path_buf(), source: Box::new(error) })
+        .map_err(|error| CliError::Format { path: path.to_path_buf(), cause: Box::new(error) })
 }
 
 /// Reads a drawn curve.
@@ -39,8 +40,23 @@ pub fn curve(path: &Path) -> Result<Curve, CliError> {
     let known = "known drawings: .json, .csv, .svg";
     let format = inkrig_sketch::Format::from_path(path)
         .ok_or_else(|| CliError::Kind { path: path.to_path_buf(), known })?;
-    let bytes = bytes(path, inkrig_sketch::limits::MAX_BYTES)?;
-    read_curve(&bytes, format).map_err(|source| CliError::Curve { path: path.to_path_buf(), source })
+    let bytes = drawing(path)?;
+    read_curve(&bytes, format)
+        .map_err(|error| CliError::Curve { path: path.to_path_buf(), cause: Box::new(error) })
+}
+
+/// The bytes of a drawing, a wave, labels or keys.
+///
+/// # Errors
+/// When the file is not there or too large.
+pub fn drawing(path: &Path) -> Result<Vec<u8>, CliError> {
+    bytes(path, inkrig_sketch::limits::MAX_BYTES)
+}
+
+/// What was odd in a file that was read or written, one line each, without mere remarks: `inkrig inspect` has those.
+pub fn warnings(findings: &[Finding], path: &Path) -> Vec<String> {
+    let warnings = findings.iter().filter(|finding| finding.severity == Severity::Warning);
+    warnings.map(|finding| format!("{}: {}", printable::path(path), printable::text(finding))).collect()
 }
 
 fn extension(path: &Path) -> Option<String> {
@@ -49,7 +65,7 @@ fn extension(path: &Path) -> Option<String> {
 
 /// The whole file, if it is no larger than `most`.
 fn bytes(path: &Path, most: usize) -> Result<Vec<u8>, CliError> {
-    let read = |source| CliError::Read { path: path.to_path_buf(), source };
+    let read = |cause| CliError::Read { path: path.to_path_buf(), cause };
     let file = File::open(path).map_err(read)?;
     let mut bytes = Vec::new();
     // One more than allowed tells a file that is too large from one that just fits.

@@ -1,24 +1,38 @@
 //! Files are written whole or not at all, and never over another without leave.
 
-use std::io::Write;
+use crate::printable;
+use crate::temporary::Temporary;
+use std::fs::FileType;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Why a file was not written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// Something of that name is there.
-    #[error("{0} is there already: give another name, or --force to replace it")]
+    #[error("{} is there already: give another name, or --force to replace it", printable::path(.0))]
     Exists(PathBuf),
+    /// Something is there that no leave lets us replace: a folder, a device, a pipe.
+    #[error(
+        "{} is {what}, not an ordinary file, and is not replaced: give another name",
+        printable::path(path)
+    )]
+    NotAFile {
+        /// The name that was given.
+        path: PathBuf,
+        /// What is there.
+        what: &'static str,
+    },
     /// The folder is not there.
-    #[error("there is no folder {0}: make it first")]
+    #[error("there is no folder {}: make it first", printable::path(.0))]
     NoFolder(PathBuf),
     /// The system said no.
-    #[error("{path} could not be written: {source}")]
+    #[error("{} could not be written: {cause}", printable::path(path))]
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
+        /// What the system said. Not a `source`: it stands in the text already.
+        cause: std::io::Error,
     },
 }
 
@@ -30,66 +44,79 @@ pub struct Output {
 }
 
 impl Output {
-    /// Says early, before long work, whether a file could be written.
+    /// Says early, before long work, whether a file could be written: a trial file is made beside it and removed.
     ///
     /// # Errors
-    /// When it is there already, or its folder is not.
+    /// When it is there already, is no ordinary file, its folder is not there, or nothing may be written into it.
     pub fn check(self, path: &Path) -> Result<(), OutputError> {
-        let folder = folder_of(path);
-        if !folder.is_dir() {
-            return Err(OutputError::NoFolder(folder.to_path_buf()));
-        }
-        if path.is_dir() || (!self.force && path.symlink_metadata().is_ok()) {
-            return Err(OutputError::Exists(path.to_path_buf()));
-        }
+        let place = self.place(path)?;
+        Temporary::in_folder(folder_of(&place)).map_err(refused(path))?;
         Ok(())
     }
 
     /// Writes a file beside its final place and moves it there: a crash or a full disk leaves the old file as it was.
+    /// Where the name is a link, the file that it leads to is replaced and the link stays.
     ///
     /// # Errors
     /// As for [`Self::check`], or when the system refuses.
     pub fn write(self, path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-        self.check(path)?;
-        let io = |source| OutputError::Io { path: path.to_path_buf(), source };
-        let mut file = tempfile::Builder::new()
-            .prefix(".inkrig-")
-            .suffix(".tmp")
-            .tempfile_in(folder_of(path))
-            .map_err(io)?;
-        file.write_all(bytes).map_err(io)?;
-        file.as_file().sync_all().map_err(io)?;
-        allow_others_to_read(file.as_file()).map_err(io)?;
-        if self.force {
-            file.persist(path).map_err(|error| io(error.error))?;
-        } else {
-            // Does not replace a file that came up while we worked.
-            file.persist_noclobber(path).map_err(|error| match error.error.kind() {
-                std::io::ErrorKind::AlreadyExists => OutputError::Exists(path.to_path_buf()),
-                _ => io(error.error),
-            })?;
+        let place = self.place(path)?;
+        let mut file = Temporary::in_folder(folder_of(&place)).map_err(refused(path))?;
+        file.fill(bytes).map_err(refused(path))?;
+        file.keep(&place, self.force).map_err(|cause| match cause.kind() {
+            ErrorKind::AlreadyExists => OutputError::Exists(path.to_path_buf()),
+            _ => refused(path)(cause),
+        })
+    }
+
+    /// The place that a name leads to, if something may be put there.
+    fn place(self, path: &Path) -> Result<PathBuf, OutputError> {
+        let not_a_file = |what| Err(OutputError::NotAFile { path: path.to_path_buf(), what });
+        let folder = folder_of(path);
+        if !folder.is_dir() {
+            return Err(OutputError::NoFolder(folder.to_path_buf()));
         }
-        Ok(())
+        let is_link = path.is_symlink();
+        // `metadata` follows links, so that a link to a device is a device.
+        match path.metadata() {
+            Ok(there) if !there.is_file() => not_a_file(kind(there.file_type())),
+            Ok(_) if !self.force => Err(OutputError::Exists(path.to_path_buf())),
+            Ok(_) if is_link => path.canonicalize().map_err(refused(path)),
+            Ok(_) => Ok(path.to_path_buf()),
+            Err(_) if is_link => not_a_file("a link that leads to no file"),
+            Err(cause) if cause.kind() == ErrorKind::NotFound => Ok(path.to_path_buf()),
+            Err(cause) => Err(refused(path)(cause)),
+        }
     }
 }
 
-fn folder_of(path: &Path) -> &Path {
+fn refused(path: &Path) -> impl Fn(std::io::Error) -> OutputError {
+    move |cause| OutputError::Io { path: path.to_path_buf(), cause }
+}
+
+/// The folder that a file of that name is in.
+pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     }
 }
 
-/// Temporary files are private; results are ordinary files.
-#[cfg(unix)]
-fn allow_others_to_read(file: &std::fs::File) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn allow_others_to_read(_: &std::fs::File) -> std::io::Result<()> {
-    Ok(())
+fn kind(file_type: FileType) -> &'static str {
+    if file_type.is_dir() {
+        return "a folder";
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        if file_type.is_fifo() {
+            return "a pipe";
+        }
+        if file_type.is_socket() {
+            return "a socket";
+        }
+    }
+    "a device"
 }
 
 #[cfg(test)]
@@ -101,6 +128,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out.bvh");
         let careful = Output { force: false };
+        careful.check(&path).unwrap();
         careful.write(&path, b"one").unwrap();
         assert!(matches!(careful.write(&path, b"two"), Err(OutputError::Exists(_))));
         assert_eq!(std::fs::read(&path).unwrap(), b"one");
@@ -109,6 +137,27 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file stays");
         let nowhere = folder.path().join("no/such/file");
         assert!(matches!(careful.write(&nowhere, b""), Err(OutputError::NoFolder(_))));
-        assert!(matches!(Output { force: true }.write(folder.path(), b""), Err(OutputError::Exists(_))));
+        let forced = Output { force: true };
+        assert!(matches!(forced.write(folder.path(), b""), Err(OutputError::NotAFile { .. })));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_stay_and_their_file_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link, loose) =
+            (folder.path().join("file"), folder.path().join("link"), folder.path().join("loose"));
+        std::fs::write(&file, "old").unwrap();
+        std::os::unix::fs::symlink("file", &link).unwrap();
+        std::os::unix::fs::symlink("nothing", &loose).unwrap();
+        let forced = Output { force: true };
+        assert!(matches!(Output { force: false }.write(&link, b"new"), Err(OutputError::Exists(_))));
+        forced.write(&link, b"new").unwrap();
+        assert!(link.is_symlink() && std::fs::read(&file).unwrap() == b"new");
+        assert!(matches!(forced.write(&loose, b"new"), Err(OutputError::NotAFile { .. })));
+        std::os::unix::fs::symlink("/dev/null", folder.path().join("null")).unwrap();
+        for device in [folder.path().join("null"), PathBuf::from("/dev/null")] {
+            assert!(matches!(forced.check(&device), Err(OutputError::NotAFile { what: "a device", .. })));
+        }
     }
 }

@@ -1,8 +1,10 @@
 //! A result for people: words, a page, a contact sheet.
 
 use crate::preview::{self, ControlView, Figure, HeatMap, Preview};
+use crate::printable::{self, counted, fixed};
 use crate::sheet::{SheetError, SheetOptions, contact_sheet};
-use inkrig_align::{Alignment, Control};
+use crate::span::seconds;
+use inkrig_align::{Alignment, Control, ControlKind};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -10,10 +12,10 @@ use std::path::Path;
 pub(crate) fn summary(alignment: &Alignment, out: &Path) -> String {
     let (clip, report) = (&alignment.clip, &alignment.report);
     let mut text = format!(
-        "wrote {}: {:.1} s, {} frames at {} a second\n",
-        out.display(),
-        clip.frames() as f64 / clip.frame_rate(),
-        clip.frames(),
+        "wrote {}: {:.1} s, {} at {} a second\n",
+        printable::path(out),
+        seconds(clip),
+        counted(clip.frames(), "frame"),
         (clip.frame_rate() * 1e3).round() / 1e3
     );
     for figure in figures(alignment) {
@@ -21,7 +23,7 @@ pub(crate) fn summary(alignment: &Alignment, out: &Path) -> String {
         let _ = writeln!(text, "  {:<24} {:<8} {}", figure.name, figure.value, figure.note);
     }
     for note in &report.notes {
-        let _ = writeln!(text, "note: {note}");
+        let _ = writeln!(text, "note: {}", printable::text(note));
     }
     text.trim_end().to_string()
 }
@@ -50,13 +52,22 @@ pub(crate) fn sheet(alignment: &Alignment, control: &Control) -> Result<Vec<u8>,
     contact_sheet(&alignment.clip, &SheetOptions { markers: Some(&points), ..SheetOptions::default() })
 }
 
-/// The first two numbers of every control sample.
+/// The control as a line to look at: a curve as it is (its first two numbers), a single value over time, a label's
+/// number over time.
 fn points(control: &Control) -> Vec<[f64; 2]> {
+    /// Width of a line over time, in heights.
+    const WIDTH: f64 = 2.5;
     let features = &control.features;
+    let along = |frame: usize| WIDTH * frame as f64 / features.frames().max(2) as f64;
+    let largest =
+        |row: &[f32]| row.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index);
     (0..features.frames())
-        .map(|frame| {
-            let at = |column: usize| features.row(frame).get(column).copied().map_or(0.0, f64::from);
-            [at(0), at(1)]
+        .map(|frame| match (control.kind, features.row(frame)) {
+            (ControlKind::Labels, row) => {
+                [along(frame), -(largest(row) as f64) / (row.len().max(2) - 1) as f64]
+            }
+            (_, [value]) => [along(frame), f64::from(*value) * 0.5],
+            (_, row) => [f64::from(row[0]), f64::from(row[1])],
         })
         .collect()
 }
@@ -64,15 +75,15 @@ fn points(control: &Control) -> Vec<[f64; 2]> {
 fn figures(alignment: &Alignment) -> Vec<Figure> {
     let report = &alignment.report;
     let figure = |name: &str, value: String, note: String| Figure { name: name.to_string(), value, note };
-    let number = |value: f64| format!("{value:.2}");
-    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let number = |value: f64| fixed(value, 2);
+    let percent = |share: f64| format!("{} %", fixed(100.0 * share, 0));
     vec![
         figure(
             "follows the drawing",
             number(report.structure_pearson),
             format!(
-                "1 is perfect; the clip merely stretched to this length has {:.2}",
-                report.structure_pearson_warp
+                "1 is perfect; the clip merely stretched to this length has {}",
+                number(report.structure_pearson_warp)
             ),
         ),
         figure(

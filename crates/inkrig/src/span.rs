@@ -1,6 +1,14 @@
 //! Lengths and ranges as people type them: `300` is frames, `10s` is seconds.
 
+use crate::printable;
+use inkrig_motion::Clip;
 use std::{fmt, ops::Range, str::FromStr};
+
+/// How long a clip is, as people are told: every frame lasts its time, the last one too, so that 300 frames of 30 a
+/// second are 10 s. ([`Clip::duration`] is the time from the first frame to the last, a frame less.)
+pub fn seconds(clip: &Clip) -> f64 {
+    clip.frames() as f64 / clip.frame_rate()
+}
 
 /// A length of time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,6 +26,16 @@ impl Length {
             Self::Frames(frames) => frames,
             // A saturating conversion: no float is too large for it.
             Self::Seconds(seconds) => (seconds * rate).round() as usize,
+        }
+    }
+}
+
+impl fmt::Display for Length {
+    /// As it is typed.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Frames(frames) => write!(f, "{frames}"),
+            Self::Seconds(seconds) => write!(f, "{seconds}s"),
         }
     }
 }
@@ -54,6 +72,14 @@ impl Span {
     }
 }
 
+impl fmt::Display for Span {
+    /// As it is typed.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let part = |length: Option<Length>| length.map(|length| length.to_string()).unwrap_or_default();
+        write!(f, "{}..{}", part(self.start), part(self.end))
+    }
+}
+
 impl FromStr for Span {
     type Err = SpanError;
 
@@ -77,7 +103,7 @@ impl fmt::Display for SpanError {
         write!(
             f,
             "`{}` is neither frames (300) nor seconds (10s); a range is two of them with .. between (2s..10s, ..300)",
-            self.0
+            printable::text(&self.0)
         )
     }
 }
@@ -105,6 +131,9 @@ mod tests {
         assert_eq!(frames("100.."), 100..900);
         assert_eq!(frames("..5000s"), 0..900);
         assert_eq!(frames(".."), 0..900);
+        for text in ["0s..20s", "100..", "..2.5s", ".."] {
+            assert_eq!(text.parse::<Span>().unwrap().to_string(), text);
+        }
         assert!("5".parse::<Span>().is_err() && "a..b".parse::<Span>().is_err());
     }
 }

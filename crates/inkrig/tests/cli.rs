@@ -1,6 +1,17 @@
 //! The program as a user meets it.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "cli/controls.rs"]
+mod controls;
+#[path = "cli/demo.rs"]
+mod demo;
+#[path = "cli/files.rs"]
+mod files;
+#[path = "cli/stop.rs"]
+mod stop;
+#[path = "cli/words.rs"]
+mod words;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -59,6 +70,8 @@ fn a_clip_follows_a_drawing_and_everything_asked_for_is_there() {
     assert_eq!(report["gradients"], 132);
     assert_eq!(report["levels"].as_array().unwrap().len(), 6);
     assert_eq!(report["parameters"]["alpha"], 0.9);
+    assert_eq!(report["frames"], 120);
+    assert!((report["seconds"].as_f64().unwrap() - 4.0).abs() < 1e-6);
 
     let bytes = std::fs::read(folder.join("new.bvh")).unwrap();
     let import = inkrig::formats::read_bvh(&bytes, &inkrig::formats::ImportOptions::default()).unwrap();
@@ -98,6 +111,7 @@ fn json_is_one_object_and_nothing_else() {
     let output = align(&folder, &["--json"]);
     let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(value["structure_pearson"].is_f64());
+    assert_eq!(value["warnings"].as_array().map(Vec::len), Some(0));
     let output = inkrig(&folder, &["inspect", "person.bvh", "--json"]);
     let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(value["format"], "BVH");
@@ -155,23 +169,6 @@ fn errors_say_where_and_what_to_do() {
 }
 
 #[test]
-fn the_demo_needs_nothing_and_replaces_only_its_own_files() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::create_dir(folder.path().join("out")).unwrap();
-    std::fs::write(folder.path().join("out/mine.txt"), "mine").unwrap();
-    for _ in 0..2 {
-        let output = inkrig(folder.path(), &["demo", "out"]);
-        assert!(output.status.success(), "{}", text(&output.stderr));
-        assert!(text(&output.stdout).contains("Open out/person-follows-spiral.html in a browser"));
-    }
-    assert_eq!(std::fs::read(folder.path().join("out/mine.txt")).unwrap(), b"mine");
-    for ending in ["bvh", "html", "png"] {
-        let file = folder.path().join(format!("out/quadruped-follows-eight.{ending}"));
-        assert!(file.metadata().unwrap().len() > 1000, "{}", file.display());
-    }
-}
-
-#[test]
 fn help_has_examples_and_completions_are_printed() {
     let folder = tempfile::tempdir().unwrap();
     for command in [&["--help"][..], &["align", "--help"], &["demo", "--help"], &["inspect", "--help"]] {
@@ -182,20 +179,39 @@ fn help_has_examples_and_completions_are_printed() {
     }
 }
 
-/// Ctrl-C ends a long run with the shell's usual code and leaves no file.
-#[cfg(unix)]
+/// Everything that was asked for stands in the report, so that the result can be made again from it.
 #[test]
-fn ctrl_c_stops_and_leaves_nothing() {
+fn a_result_can_be_repeated_from_its_report() {
     let (_keep, folder) = desk();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_inkrig"))
-        .current_dir(&folder)
-        .args([&ALIGN[..], &["--iterations", "20000"]].concat())
-        .stderr(std::process::Stdio::null())
-        .spawn()
-        .unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(700));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let status = child.wait().unwrap();
-    assert_eq!(status.code(), Some(130));
-    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 2);
+    let more = "--report r.json --range 2s..20s --length 4s --fps 15 --uniform --preset natural --unit 0.02 --up y \
+                --source-fps 30 --threads 1 --loop --smooth 3";
+    let output = align(&folder, &more.split_whitespace().collect::<Vec<_>>());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let report: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.join("r.json")).unwrap()).unwrap();
+    let expected = serde_json::json!({
+        "range": "2s..20s", "length": "4s", "fps": 15.0, "uniform": true, "preset": "natural", "unit": 0.02,
+        "up": "y", "source_fps": 30.0, "threads": 1, "loop": true, "smooth": 3.0, "alpha": 0.7,
+    });
+    for (name, value) in expected.as_object().unwrap() {
+        assert_eq!(&report["parameters"][name], value, "{name}");
+    }
+    assert_eq!(report["frames"], 60);
+}
+
+/// All results are of one clip: the one that is written.
+#[test]
+fn another_rate_is_the_same_in_all_results() {
+    let (_keep, folder) = desk();
+    let output = align(&folder, &["--fps", "12", "--report", "r.json", "--preview", "p.html"]);
+    let said = text(&output.stdout);
+    assert!(said.contains("wrote new.bvh: 4.0 s, 48 frames at 12 a second"), "{said}");
+    let read = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    let import =
+        inkrig::formats::read_bvh(&read("new.bvh"), &inkrig::formats::ImportOptions::default()).unwrap();
+    assert_eq!((import.clip.frames(), import.clip.frame_rate().round()), (48, 12.0));
+    let report: serde_json::Value = serde_json::from_slice(&read("r.json")).unwrap();
+    assert_eq!((&report["frames"], &report["frame_rate"]), (&48.into(), &12.0.into()));
+    let page = text(&read("p.html"));
+    assert!(page.contains("\"resultRate\":12.0,\"resultFrames\":48"));
 }

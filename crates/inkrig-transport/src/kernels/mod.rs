@@ -1,15 +1,19 @@
 //! The element-wise inner loops. Each is a struct of inputs and outputs with one `run`, written once in plain Rust, and
 //! compiled for every instruction level by [`dispatch`].
 
+mod factors;
 mod isa_entry;
 mod rows;
 mod scaling;
+mod sparse;
 mod tiles;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod vector;
 
+pub(crate) use factors::{ColumnDots, LessColumns, LessRows};
 pub(crate) use rows::{Gibbs, Mirror, PlanRows, Softmax, SquareProduct, Sweep};
 pub(crate) use scaling::Scaling;
+pub(crate) use sparse::{Block, EntryDots, Gather, SparseGibbs, SparsePlanRows, SparseSweep};
 pub(crate) use tiles::Product;
 
 use crate::Isa;

@@ -226,7 +226,7 @@ fn add_terms<T: Real, const FMA: bool>(x: &mut [T], linear: &[T], column: &[T], 
 
 /// `x = exp((least - x) * scale)`, clamped below; returns the sum.
 #[inline(always)]
-fn exp_row<T: Real, const FMA: bool>(x: &mut [T], least: T, scale: T) -> T {
+pub(super) fn exp_row<T: Real, const FMA: bool>(x: &mut [T], least: T, scale: T) -> T {
     let mut lanes = [T::ZERO; LANES];
     let mut chunks = x.chunks_exact_mut(LANES);
     for chunk in &mut chunks {
@@ -259,7 +259,7 @@ fn least<T: Real>(x: &[T]) -> T {
 }
 
 #[inline(always)]
-fn dot<T: Real, const FMA: bool>(a: &[T], b: &[T]) -> T {
+pub(super) fn dot<T: Real, const FMA: bool>(a: &[T], b: &[T]) -> T {
     lanes_sum::<T>(
         a,
         b,

@@ -70,3 +70,49 @@ fn distances(a: &[Vec<f64>], b: &[Vec<f64>], scale: Option<f64>) -> (Mat<f64>, f
     mat.as_mut_slice().iter_mut().for_each(|x| *x *= scale);
     (mat, scale)
 }
+
+/// Places along two smooth curves, divided by their mean distance: growing circles, and another with its own loops in
+/// five dimensions.
+pub(crate) struct Curves {
+    pub(crate) control: Mat<f64>,
+    pub(crate) source: Mat<f64>,
+}
+
+impl Curves {
+    pub(crate) fn new(n: usize, m: usize) -> Self {
+        let turn = |i: usize, count: usize| i as f64 / count as f64 * std::f64::consts::TAU;
+        let control = Mat::from_fn(n, 2, |i, k| {
+            let t = turn(i, n);
+            (0.3 + 0.1 * t) * [(5.0 * t).cos(), (5.0 * t).sin()][k]
+        });
+        let source = Mat::from_fn(m, 5, |j, k| {
+            let t = turn(j, m);
+            [
+                (7.0 * t).sin() * (1.2 + t.cos()),
+                (7.0 * t).cos(),
+                0.7 * (3.0 * t).sin(),
+                0.5 * (2.0 * t).cos(),
+                0.2 * (11.0 * t).sin(),
+            ][k]
+        });
+        let scaled = |at: Mat<f64>| {
+            let all = among(&at);
+            let mean = all.as_slice().iter().sum::<f64>() / (at.rows() * at.rows()) as f64;
+            Mat::from_fn(at.rows(), at.cols(), |i, k| at.row(i)[k] / mean)
+        };
+        Self { control: scaled(control), source: scaled(source) }
+    }
+
+    pub(crate) fn control_distances(&self) -> Mat<f64> {
+        among(&self.control)
+    }
+
+    pub(crate) fn source_distances(&self) -> Mat<f64> {
+        among(&self.source)
+    }
+}
+
+fn among(at: &Mat<f64>) -> Mat<f64> {
+    let rows: Vec<Vec<f64>> = (0..at.rows()).map(|i| at.row(i).to_vec()).collect();
+    distances(&rows, &rows, Some(1.0)).0
+}

@@ -4,6 +4,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 mod fixture;
+mod limits;
+mod low_rank;
 mod promises;
 mod quality;
+mod sparse;
 mod vectors;

@@ -100,7 +100,8 @@ fn largest_difference(plan: &Plan<f64>, want: &Mat<f64>) -> f64 {
 fn residual(problem: &Problem<'_, f64>, plan: &Plan<f64>) -> f64 {
     let (n, m) = (problem.rows(), problem.cols());
     let Params { alpha, lambda, epsilon } = problem.params();
-    let (y, x, t, c) = (problem.control(), problem.source(), plan.dense(), plan.column_mass());
+    let (y, x) = (problem.control().dense().unwrap(), problem.source().dense().unwrap());
+    let (t, c) = (plan.dense(), plan.column_mass());
     let half = Mat::from_fn(n, m, |i, l| (0..n).map(|k| y.row(i)[k] * t.row(k)[l]).sum::<f64>());
     let mut sum = 0.0;
     for i in 0..n {
@@ -256,6 +257,26 @@ fn single_precision_agrees() {
                 .unwrap();
             check_single(vector.name, problem, workspace.plan(), vector.list("objective_trace")[4]);
         });
+    }
+}
+
+#[test]
+fn the_cost_may_come_as_a_linear_cost() {
+    for vector in Vector::all() {
+        let (control, source) = (vector.mat("Dy").unwrap(), vector.mat("Dx").unwrap());
+        let Some(cost) = vector.mat::<f64>("C") else { continue };
+        let nothing = Mat::zeros(cost.rows(), cost.cols());
+        let weight = 1.0 - vector.params().alpha;
+        let bias = Mat::from_fn(cost.rows(), cost.cols(), |i, j| weight * cost.row(i)[j]);
+        let problem = Problem::new(control.view(), source.view(), Some(nothing.view()), vector.params())
+            .and_then(|problem| problem.with_linear(bias.view()))
+            .unwrap();
+        let mut workspace = Workspace::new(1);
+        exact(1000).solve(&problem, &mut workspace).unwrap();
+        let got = terms(&problem, workspace.plan().dense()).unwrap();
+        let want = vector.list("mm_objective_10_100_1000")[2];
+        assert!((got.objective - want).abs() < 1e-9, "{}: {got:?}, want {want}", vector.name);
+        assert!(got.w == 0.0 && got.linear > 0.0, "{}: {got:?}", vector.name);
     }
 }
 

@@ -1,88 +1,114 @@
 //! `inkrig demo`: the main job on our own samples, with nothing else needed.
 
+use super::demo_files::DemoFiles;
 use crate::cli::DemoArgs;
 use crate::console::Console;
 use crate::error::CliError;
-use crate::output::{Output, OutputError};
-use crate::show;
+use crate::printable::{self, json_path};
+use crate::results::{self, Made, Places};
 use inkrig_align::{Control, CurveOptions, Options, align};
-use inkrig_formats::{ExportOptions, ImportOptions, read_bvh, write_bvh};
+use inkrig_formats::{ImportOptions, read_bvh};
 use inkrig_samples::Sample;
 use inkrig_sketch::read_curve;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// What is shown: a clip, a drawing.
 const SCENES: [(&str, &str); 3] = [("person", "spiral"), ("quadruped", "eight"), ("snake", "wave")];
 
-/// The names that the demo writes are its own, so they may be written again.
-const OWN: Output = Output { force: true };
-
 pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<(), CliError> {
-    let folder = &args.folder;
-    std::fs::create_dir_all(folder).map_err(|source| OutputError::Io { path: folder.clone(), source })?;
-    for sample in inkrig_samples::motions().iter().chain(inkrig_samples::curves()) {
-        OWN.write(&folder.join(sample.file_name), sample.bytes)?;
+    let mut files = DemoFiles::open(&args.folder, args.force)?;
+    let samples = || inkrig_samples::motions().iter().chain(inkrig_samples::curves());
+    let scenes: Vec<Scene> = SCENES.iter().filter_map(|(motion, curve)| Scene::of(motion, curve)).collect();
+    // All of them before the first is written.
+    for sample in samples() {
+        files.check(sample.file_name, Some(sample.bytes))?;
     }
-    let mut scenes = Vec::new();
-    for (motion, curve) in SCENES {
-        let (Some(motion), Some(curve)) = (inkrig_samples::find(motion), inkrig_samples::find(curve)) else {
-            continue;
-        };
-        scenes.push(scene(folder, motion, curve, console)?);
+    for name in scenes.iter().flat_map(Scene::results) {
+        files.check(&name, None)?;
     }
+    for sample in samples() {
+        files.write(sample.file_name, sample.bytes)?;
+    }
+    let mut facts = Vec::new();
+    for scene in &scenes {
+        facts.push(scene.make(&mut files, console)?);
+    }
+    files.save()?;
     if let Some(first) = scenes.first() {
-        console.say(format!("\nOpen {} in a browser. Then try your own:", first.preview.display()));
-        console.say(format!(
-            "  inkrig align {} --curve YOUR-DRAWING.svg -o new.bvh --preview new.html",
-            first.source.display()
-        ));
+        let [_, page, _] = first.results().map(|name| printable::path(&files.path(&name)));
+        let clip = printable::path(&files.path(first.motion.file_name));
+        console.say(format!("\nOpen {page} in a browser. Then try your own:"))?;
+        console
+            .say(format!("  inkrig align {clip} --curve YOUR-DRAWING.svg -o new.bvh --preview new.html"))?;
     }
-    console.result(&scenes)?;
-    Ok(())
+    console.result(&facts)
 }
 
-#[derive(Serialize)]
+/// A clip that follows a drawing.
 struct Scene {
-    source: PathBuf,
-    curve: PathBuf,
-    motion: PathBuf,
-    preview: PathBuf,
-    sheet: PathBuf,
+    motion: &'static Sample,
+    curve: &'static Sample,
+}
+
+/// What is said of a scene; the names are stable.
+#[derive(Serialize)]
+struct Facts {
+    source: String,
+    curve: String,
+    motion: String,
+    preview: String,
+    sheet: String,
     structure_pearson: f64,
 }
 
-fn scene(folder: &Path, motion: &Sample, curve: &Sample, console: &Console) -> Result<Scene, CliError> {
-    let place = |name: &str| folder.join(name);
-    let (source, drawing) = (place(motion.file_name), place(curve.file_name));
-    let import = read_bvh(motion.bytes, &ImportOptions::default())
-        .map_err(|error| CliError::Format { path: source.clone(), source: Box::new(error) })?;
-    let format = inkrig_sketch::Format::from_path(&drawing).ok_or_else(|| CliError::Kind {
-        path: drawing.clone(),
-        known: "known drawings: .json, .csv, .svg",
-    })?;
-    let read = read_curve(curve.bytes, format)
-        .map_err(|error| CliError::Curve { path: drawing.clone(), source: error })?;
-    let control = Control::from_curve(&read, &CurveOptions::default())?;
-    let alignment = {
-        let bar = console.bar("aligning");
-        align(&import.clip.into(), &control, &Options::default(), &mut |progress| bar.update(progress))?
-    };
-    let name = format!("{}-follows-{}", motion.name, curve.name);
-    let scene = Scene {
-        motion: place(&format!("{name}.bvh")),
-        preview: place(&format!("{name}.html")),
-        sheet: place(&format!("{name}.png")),
-        source,
-        curve: drawing,
-        structure_pearson: alignment.report.structure_pearson,
-    };
-    let written = write_bvh(&alignment.clip, &ExportOptions::like(&import.source))?;
-    OWN.write(&scene.motion, &written.bytes)?;
-    let title = format!("{} follows {}", motion.name, curve.name);
-    OWN.write(&scene.preview, show::page(&title, &alignment, &control).as_bytes())?;
-    OWN.write(&scene.sheet, &show::sheet(&alignment, &control)?)?;
-    console.say(show::summary(&alignment, &scene.motion));
-    console.say(format!("wrote {}\nwrote {}", scene.preview.display(), scene.sheet.display()));
-    Ok(scene)
+impl Scene {
+    fn of(motion: &str, curve: &str) -> Option<Self> {
+        Some(Self { motion: inkrig_samples::find(motion)?, curve: inkrig_samples::find(curve)? })
+    }
+
+    /// The names of the motion, the page and the sheet.
+    fn results(&self) -> [String; 3] {
+        ["bvh", "html", "png"]
+            .map(|ending| format!("{}-follows-{}.{ending}", self.motion.name, self.curve.name))
+    }
+
+    fn make(&self, files: &mut DemoFiles<'_>, console: &Console) -> Result<Facts, CliError> {
+        let (source, drawing) = (files.path(self.motion.file_name), files.path(self.curve.file_name));
+        let import = read_bvh(self.motion.bytes, &ImportOptions::default())
+            .map_err(|error| CliError::Format { path: source.clone(), cause: Box::new(error) })?;
+        let control = self.control(&drawing)?;
+        let bar = console.bar(format!("aligning {}", self.motion.name));
+        let takes = import.clip.into();
+        let alignment = align(&takes, &control, &Options::default(), &mut |progress| bar.update(progress))?;
+        bar.finish()?;
+        let title = format!("{} follows {}", self.motion.name, self.curve.name);
+        let made = Made { title: &title, alignment: &alignment, control: &control, source: &import.source };
+        let [motion, preview, sheet] = self.results().map(|name| files.path(&name));
+        let places = Places { motion: &motion, report: None, preview: Some(&preview), sheet: Some(&sheet) };
+        results::write(&made, places, console, |_| (), &mut |path, bytes| {
+            files.write(&file_name(path), bytes)
+        })?;
+        Ok(Facts {
+            source: json_path(&source),
+            curve: json_path(&drawing),
+            motion: json_path(&motion),
+            preview: json_path(&preview),
+            sheet: json_path(&sheet),
+            structure_pearson: alignment.report.structure_pearson,
+        })
+    }
+
+    fn control(&self, drawing: &Path) -> Result<Control, CliError> {
+        let known = "known drawings: .json, .csv, .svg";
+        let format = inkrig_sketch::Format::from_path(drawing)
+            .ok_or_else(|| CliError::Kind { path: drawing.to_path_buf(), known })?;
+        let curve = read_curve(self.curve.bytes, format)
+            .map_err(|error| CliError::Curve { path: drawing.to_path_buf(), cause: Box::new(error) })?;
+        Ok(Control::from_curve(&curve, &CurveOptions::default())?)
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }

@@ -4,8 +4,10 @@ use crate::cli::InspectArgs;
 use crate::console::Console;
 use crate::error::CliError;
 use crate::load;
+use crate::printable::{self, counted, fixed};
+use crate::span::seconds;
 use inkrig_formats::{Evidence, Import, Severity, UpAxis};
-use inkrig_motion::{Clip, Skeleton, lead_in, root::RootMotion};
+use inkrig_motion::{Skeleton, lead_in, root::RootMotion};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -13,12 +15,13 @@ use std::fmt::Write;
 const MOST_JOINTS: usize = 400;
 
 pub(super) fn run(args: &InspectArgs, console: &Console) -> Result<(), CliError> {
+    let stage = console.stage(format!("reading {}", printable::path(&args.file)));
     let import = load::motion(&args.file, &args.import)?;
     let facts = Facts::of(&import);
-    console.say(format!("{}\n{}", args.file.display(), facts.text()));
-    console.say(tree(import.clip.skeleton()));
-    console.result(&facts)?;
-    Ok(())
+    drop(stage);
+    console.say(format!("{}\n{}", printable::path(&args.file), facts.text()))?;
+    console.say(tree(import.clip.skeleton()))?;
+    console.result(&facts)
 }
 
 /// What is said of a file; the names are stable.
@@ -55,7 +58,8 @@ impl Facts {
     fn of(import: &Import) -> Self {
         let (clip, skeleton) = (&import.clip, import.clip.skeleton());
         let root = RootMotion::of(&clip.clone().into());
-        let travel: f32 = root.places.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+        // An empty sum is -0.0.
+        let travel = root.places.windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f32>() + 0.0;
         let findings = |severity| {
             import
                 .findings
@@ -111,44 +115,44 @@ impl Facts {
             let _ = writeln!(text, "  {name:<12} {value}");
         };
         let roots = if self.roots == 1 { String::new() } else { format!(", {} roots", self.roots) };
+        let metres = |length: f32| fixed(f64::from(length), 2);
         line("format", self.format.to_string());
-        line("joints", format!("{} and {} end sites{roots}", self.joints - self.end_sites, self.end_sites));
+        line(
+            "joints",
+            format!("{} and {}{roots}", self.joints - self.end_sites, counted(self.end_sites, "end site")),
+        );
         line("frames", format!("{} at {:.3} a second, {:.2} s", self.frames, self.frame_rate, self.seconds));
         line("unit", format!("{} m ({})", self.metres_per_unit, self.unit_evidence));
         line("up", self.up.to_string());
-        line("size", format!("{:.2} m", self.size_metres));
-        line("travels", format!("{:.2} m, by joint `{}`", self.travel_metres, self.travel_joint));
-        if self.rest_pose_frames > 0 {
-            let count = self.rest_pose_frames;
-            line("rest pose", format!("the first {count} frame(s) are a T-pose; align leaves them out"));
+        line("size", format!("{} m", metres(self.size_metres)));
+        let joint = printable::text(&self.travel_joint);
+        line("travels", format!("{} m, by joint `{joint}`", metres(self.travel_metres)));
+        match self.rest_pose_frames {
+            0 => {}
+            1 => line("rest pose", "the first frame is a T-pose; align leaves it out".to_string()),
+            count => {
+                line("rest pose", format!("the first {count} frames are a T-pose; align leaves them out"));
+            }
         }
         if self.problems.is_empty() {
             line("problems", "none".to_string());
         }
         for problem in &self.problems {
-            line("problem", problem.clone());
+            line("problem", printable::text(problem));
         }
         text.trim_end().to_string()
     }
-}
-
-fn seconds(clip: &Clip) -> f64 {
-    clip.frames() as f64 / clip.frame_rate()
 }
 
 /// The joints as an indented tree.
 fn tree(skeleton: &Skeleton) -> String {
     let mut text = String::from("skeleton");
     for (joint, depth) in skeleton.joints().iter().zip(skeleton.depths()).take(MOST_JOINTS) {
-        let _ = write!(text, "\n  {:indent$}{}", "", printable(&joint.name), indent = 2 * depth.min(40));
+        let _ =
+            write!(text, "\n  {:indent$}{}", "", printable::text(&joint.name), indent = 2 * depth.min(40));
     }
     if skeleton.len() > MOST_JOINTS {
         let _ = write!(text, "\n  ... and {} more", skeleton.len() - MOST_JOINTS);
     }
     text
-}
-
-/// A name from a file without what could steer a terminal.
-fn printable(name: &str) -> String {
-    name.chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect()
 }

@@ -1,8 +1,13 @@
 //! One module a command: arguments in, files and words out.
 
 mod align;
+pub(crate) mod control;
 mod demo;
+mod demo_files;
 mod inspect;
+mod keys;
+mod record;
+mod settings;
 
 use crate::cli::{Cli, Command};
 use crate::console::Console;
@@ -22,8 +27,7 @@ pub fn run(cli: Cli) -> Result<(), CliError> {
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "inkrig", &mut script);
-            crate::console::print(String::from_utf8_lossy(&script).trim_end());
-            Ok(())
+            crate::console::print(String::from_utf8_lossy(&script).trim_end())
         }
     }
 }

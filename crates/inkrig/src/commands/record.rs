@@ -1,0 +1,129 @@
+//! The report file: the numbers first, flat, then all that is needed to make the result again.
+
+use crate::cli::{AlignArgs, PresetArg, Up};
+use crate::printable::json_path;
+use crate::span::seconds;
+use inkrig_align::{Alignment, Options};
+use serde::Serialize;
+
+/// What `--report` and `--json` hold; the names are stable.
+#[derive(Serialize)]
+pub(super) struct Record<'a> {
+    #[serde(flatten)]
+    report: &'a inkrig_align::Report,
+    /// Of the motion that was written.
+    frames: usize,
+    frame_rate: f64,
+    seconds: f64,
+    program: &'static str,
+    inputs: Vec<String>,
+    /// A wave or labels, where they were given as text.
+    control: Option<String>,
+    /// Keys given on the command line.
+    keys: Vec<String>,
+    outputs: Vec<String>,
+    /// What was odd in the inputs, and what the output could not hold.
+    warnings: Vec<String>,
+    parameters: Parameters,
+}
+
+impl<'a> Record<'a> {
+    /// The record of a run; `alignment` holds the clip as it was written.
+    pub(super) fn of(
+        args: &AlignArgs,
+        options: &Options,
+        alignment: &'a Alignment,
+        warnings: Vec<String>,
+    ) -> Self {
+        let clip = &alignment.clip;
+        Self {
+            report: &alignment.report,
+            frames: clip.frames(),
+            frame_rate: clip.frame_rate(),
+            seconds: seconds(clip),
+            program: concat!("inkrig ", env!("CARGO_PKG_VERSION")),
+            inputs: args.inputs().iter().map(|path| json_path(path)).collect(),
+            control: args.control.text().map(str::to_string),
+            keys: args.keys.iter().chain(&args.nevers).cloned().collect(),
+            outputs: args.places().all().map(json_path).collect(),
+            warnings,
+            parameters: Parameters::of(args, options),
+        }
+    }
+}
+
+/// What was asked for, in the words of the command line (`null` where nothing was said), and what the engine made of
+/// it.
+#[derive(Serialize)]
+struct Parameters {
+    preset: &'static str,
+    range: Option<String>,
+    length: Option<String>,
+    fps: Option<f64>,
+    uniform: bool,
+    #[serde(rename = "loop")]
+    cyclic: bool,
+    unit: Option<f64>,
+    up: Option<&'static str>,
+    source_fps: Option<f64>,
+    alpha: f64,
+    lambda: f64,
+    epsilon: f64,
+    patch_seconds: f64,
+    levels: usize,
+    ratio: f64,
+    rounds: usize,
+    iterations: usize,
+    starts: usize,
+    scouting: usize,
+    first_iterations: usize,
+    polish: usize,
+    matching_rate: f64,
+    smooth: f64,
+    seed: u64,
+    norm: String,
+    rotations: String,
+    velocity: String,
+    threads: usize,
+}
+
+impl Parameters {
+    fn of(args: &AlignArgs, options: &Options) -> Self {
+        Self {
+            preset: match args.preset {
+                PresetArg::Follow => "follow",
+                PresetArg::Natural => "natural",
+            },
+            range: args.range.map(|range| range.to_string()),
+            length: args.length.map(|length| length.to_string()),
+            fps: args.fps,
+            uniform: args.uniform,
+            cyclic: args.cyclic,
+            unit: args.import.unit,
+            up: args.import.up.map(|up| match up {
+                Up::Y => "y",
+                Up::Z => "z",
+            }),
+            source_fps: args.import.source_fps,
+            alpha: options.alpha,
+            lambda: options.lambda,
+            epsilon: options.epsilon,
+            patch_seconds: options.patch_seconds,
+            levels: options.levels,
+            ratio: options.ratio,
+            rounds: options.rounds,
+            iterations: options.iterations,
+            starts: options.starts,
+            scouting: options.scouting,
+            first_iterations: options.first_iterations,
+            polish: options.polish,
+            matching_rate: options.matching_rate,
+            smooth: args.smooth,
+            seed: options.seed,
+            norm: format!("{:?}", options.control_norm).to_lowercase(),
+            rotations: format!("{:?}", options.features.rotation_space).to_lowercase(),
+            velocity: format!("{:?}", options.features.velocity_frame).to_lowercase(),
+            threads: options.threads,
+        }
+    }
+}

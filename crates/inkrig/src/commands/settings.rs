@@ -1,0 +1,57 @@
+//! The engine's options, as the command line says them.
+
+use crate::cli::{AlignArgs, NormArg, PresetArg, RotationArg, VelocityArg};
+use inkrig_align::{ControlKind, Norm, Options, Preset};
+use inkrig_motion::{RotationSpace, VelocityFrame};
+
+/// The preset's options with everything that was given by hand.
+pub(super) fn options(args: &AlignArgs) -> Options {
+    let preset = match args.preset {
+        PresetArg::Follow => Preset::Follow,
+        PresetArg::Natural => Preset::Natural,
+    };
+    let asked = &args.control;
+    let kind = match (&asked.wave, &asked.labels, &asked.like) {
+        (Some(_), ..) => ControlKind::Wave,
+        (_, Some(_), _) => ControlKind::Labels,
+        (.., Some(_)) => ControlKind::Motion,
+        _ => ControlKind::Curve,
+    };
+    let mut options = Options::for_control(kind, preset);
+    if let Some(norm) = args.norm {
+        let norm = match norm {
+            NormArg::Mean => Norm::Mean,
+            NormArg::Max => Norm::Max,
+            NormArg::Quantile => Norm::Quantile,
+            NormArg::Learned => Norm::Learned,
+        };
+        options.source_norm = norm;
+        options.control_norm = norm;
+    }
+    let set = |slot: &mut f64, given: Option<f64>| *slot = given.unwrap_or(*slot);
+    set(&mut options.alpha, args.alpha);
+    set(&mut options.lambda, args.lambda);
+    set(&mut options.epsilon, args.epsilon);
+    set(&mut options.patch_seconds, args.patch);
+    set(&mut options.ratio, args.ratio);
+    let set = |slot: &mut usize, given: Option<usize>| *slot = given.unwrap_or(*slot);
+    set(&mut options.levels, args.levels);
+    set(&mut options.iterations, args.iterations);
+    set(&mut options.threads, args.threads);
+    options.seed = args.seed;
+    if let Some(velocity) = args.velocity {
+        let frame = match velocity {
+            VelocityArg::World => VelocityFrame::World,
+            VelocityArg::Heading => VelocityFrame::Heading,
+        };
+        options.features.velocity_frame = frame;
+        options.travel = frame;
+    }
+    if let Some(rotations) = args.rotations {
+        options.features.rotation_space = match rotations {
+            RotationArg::Local => RotationSpace::Local,
+            RotationArg::Root => RotationSpace::Root,
+        };
+    }
+    options
+}

@@ -1,0 +1,84 @@
+//! Numbers on the command line, refused before any work when they make no sense, each with its range.
+
+use crate::span::Length;
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+/// Frames a second of a result. More than 1000 show nothing that the clip has not, and only make files huge; fewer
+/// than one in ten seconds are no motion any more.
+pub(crate) fn fps(text: &str) -> Result<f64, String> {
+    within(text, 0.1..=1000.0, "frames a second (more only makes the file larger)")
+}
+
+/// Frames a second of a file: whatever a clip may have.
+pub(crate) fn source_fps(text: &str) -> Result<f64, String> {
+    within(text, inkrig_motion::Clip::FRAME_RATES, "frames a second")
+}
+
+/// Width of smoothing, frames.
+pub(crate) fn smooth(text: &str) -> Result<f64, String> {
+    within(text, 0.0..=inkrig_sketch::limits::MAX_SIGMA, "frames; 0 is none")
+}
+
+/// Threads to work with.
+pub(crate) fn threads(text: &str) -> Result<usize, String> {
+    within(text, 1..=1024, "threads")
+}
+
+/// Metres in a unit of a file.
+pub(crate) fn unit(text: &str) -> Result<f64, String> {
+    within(text, 1e-6..=1e6, "metres (0.01 for centimetres)")
+}
+
+/// The longest result, seconds.
+const MOST_SECONDS: f64 = 3600.0;
+/// The same in frames of 30 a second.
+const MOST_FRAMES: usize = 108_000;
+
+/// Length of a result: more than nothing, at most an hour.
+pub(crate) fn length(text: &str) -> Result<Length, String> {
+    let length: Length = text.parse().map_err(|error: crate::span::SpanError| error.to_string())?;
+    let good = match length {
+        Length::Frames(frames) => (1..=MOST_FRAMES).contains(&frames),
+        Length::Seconds(seconds) => seconds > 0.0 && seconds <= MOST_SECONDS,
+    };
+    if good {
+        Ok(length)
+    } else {
+        Err(format!(
+            "a result can be as long as an hour: give 1 to {MOST_FRAMES} frames, or more than 0s and at most {MOST_SECONDS}s"
+        ))
+    }
+}
+
+fn within<T: FromStr + PartialOrd + Display>(
+    text: &str,
+    range: RangeInclusive<T>,
+    what: &str,
+) -> Result<T, String> {
+    // A number that is not finite is in no range.
+    let number = text.trim().parse().ok().filter(|number| range.contains(number));
+    number.ok_or_else(|| format!("give a number from {} to {}: {what}", range.start(), range.end()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_hold_and_are_said() {
+        assert_eq!((fps("0.1"), fps("1000"), smooth("0")), (Ok(0.1), Ok(1000.0), Ok(0.0)));
+        for bad in ["0", "1000.1", "-1", "nan", "inf", "1e400", "", "fast"] {
+            assert!(fps(bad).unwrap_err().contains("from 0.1 to 1000"), "{bad}");
+        }
+        assert!(source_fps("0.001").unwrap_err().contains("from 0.01 to 100000"));
+        assert!(smooth("-1").unwrap_err().contains("from 0 to 1000"));
+        assert!(threads("0").is_err() && threads("-1").is_err() && unit("0").is_err());
+        assert_eq!(length("3600s"), Ok(Length::Seconds(3600.0)));
+        for bad in ["0", "0s", "3601s", "108001"] {
+            assert!(length(bad).unwrap_err().contains("an hour"), "{bad}");
+        }
+        assert!(length("-1").unwrap_err().contains("neither frames"));
+    }
+}

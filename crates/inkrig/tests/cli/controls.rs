@@ -1,0 +1,94 @@
+//! Every kind of control and key, on the command line.
+
+use super::{desk, inkrig, text};
+use std::path::Path;
+
+fn report(folder: &Path, arguments: &[&str]) -> serde_json::Value {
+    let output =
+        inkrig(folder, &[&["align", "person.bvh", "-o", "new.bvh", "--force", "--json"], arguments].concat());
+    assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn complaint(folder: &Path, arguments: &[&str]) -> String {
+    let output = inkrig(folder, &[&["align", "person.bvh", "-o", "never.bvh"], arguments].concat());
+    assert!(!output.status.success(), "{arguments:?}");
+    // Long lines are wrapped for the terminal.
+    text(&output.stderr).replace(['\n', '│'], " ").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn waves_labels_and_other_motions_are_followed() {
+    let (_keep, folder) = desk();
+    std::fs::write(
+        folder.join("beat.csv"),
+        (0..120).map(|i| format!("{}\n", i / 20 % 2)).collect::<String>(),
+    )
+    .unwrap();
+    std::fs::write(folder.join("snake.bvh"), inkrig::samples::find("snake").unwrap().bytes).unwrap();
+    let cases: [(&[&str], usize); 6] = [
+        (&["--wave", "sine(0.5Hz..2Hz) for 5s", "--preview", "wave.html"], 150),
+        (&["--wave", "beat.csv"], 120),
+        (&["--labels", "A:60 B:60 A:60", "--preview", "labels.html"], 180),
+        (&["--labels", "A:1s B:1s", "--length", "4s"], 120),
+        (&["--like", "snake.bvh", "--length", "5s"], 150),
+        (&["--curve", "circles.csv", "--loop"], 120),
+    ];
+    for (arguments, frames) in cases {
+        let report = report(&folder, arguments);
+        assert_eq!(report["frames"], frames, "{arguments:?}");
+        let gain = report["structure_pearson"].as_f64().unwrap()
+            - report["structure_pearson_warp"].as_f64().unwrap();
+        assert!(gain > 0.1, "{arguments:?}: {gain}");
+    }
+    assert!(folder.join("wave.html").exists() && folder.join("labels.html").exists());
+}
+
+#[test]
+fn several_clips_of_one_character_are_mixed_and_others_refused() {
+    let (_keep, folder) = desk();
+    std::fs::copy(folder.join("person.bvh"), folder.join("again.bvh")).unwrap();
+    std::fs::write(folder.join("snake.bvh"), inkrig::samples::find("snake").unwrap().bytes).unwrap();
+    let two = report(&folder, &["again.bvh", "--curve", "circles.csv", "--range", "0s..8s"]);
+    assert_eq!(two["source_frames"], 480);
+    assert!(complaint(&folder, &["snake.bvh", "--curve", "circles.csv"]).contains("snake.bvh"));
+}
+
+#[test]
+fn keys_are_met() {
+    let (_keep, folder) = desk();
+    std::fs::write(folder.join("keys.json"), r#"[{"time": 1, "frame": 500}, {"never": 320}]"#).unwrap();
+    report(&folder, &["--curve", "circles.csv", "--key", "2s=frame:400", "--key-file", "keys.json"]);
+    let read = |name: &str| {
+        let bytes = std::fs::read(folder.join(name)).unwrap();
+        inkrig::formats::read_bvh(&bytes, &inkrig::formats::ImportOptions::default()).unwrap().clip
+    };
+    let (new, old) = (read("new.bvh"), read("person.bvh"));
+    for (at, frame) in [(60, 400), (30, 500)] {
+        for (a, b) in new.rotations(at).iter().zip(old.rotations(frame)).skip(1) {
+            assert!(a.angle_between(*b) < 2e-3, "frame {at}");
+        }
+    }
+    // Counted in the file, also where only a part of it is used.
+    report(&folder, &["--curve", "circles.csv", "--range", "10s..", "--key", "2s=frame:400"]);
+    let new = read("new.bvh");
+    assert!(new.rotations(60)[5].angle_between(old.rotations(400)[5]) < 2e-3);
+}
+
+#[test]
+fn mistakes_in_controls_and_keys_are_named() {
+    let (_keep, folder) = desk();
+    std::fs::write(folder.join("keys.json"), r#"[{"time": 1, "fram": 2}]"#).unwrap();
+    let curve = ["--curve", "circles.csv"];
+    let says = |more: &[&str]| complaint(&folder, &[&curve, more].concat());
+    assert!(complaint(&folder, &["--wave", "sine(2Hz) for"]).contains("--wave"));
+    assert!(complaint(&folder, &["--labels", "A:30"]).contains("--labels"));
+    assert!(complaint(&folder, &[]).contains("--curve"), "one of the controls is asked for");
+    assert!(says(&["--wave", "sine(1Hz) for 5s"]).contains("cannot be used with"));
+    assert!(says(&["--key", "0.5=frame:1"]).contains("0.5s=frame:120"));
+    assert!(says(&["--key", "0.5s=frame:100000"]).contains("no frame 100000"));
+    assert!(says(&["--never", "120"]).contains("frame:120~0.5"));
+    assert!(says(&["--key-file", "keys.json"]).contains("keys.json"));
+    assert!(says(&["--range", "10s..", "--key", "1s=frame:3"]).contains("before --range begins"));
+    assert!(!folder.join("never.bvh").exists());
+}
