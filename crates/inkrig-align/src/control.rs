@@ -3,6 +3,7 @@
 use crate::{AlignError, MOST_FRAMES};
 use inkrig_motion::{Clip, FeatureOptions, Features, frame_features, time};
 use inkrig_sketch::{Curve, Ends, Labels, Table, Timing, Wave, frame_count, resample, smooth};
+use inkrig_sound::{MfccOptions, Sound, mfcc};
 
 /// A control as the solver sees it: a table of numbers over time, never a file. Only distances between its rows
 /// count, so its scale and place do not matter.
@@ -31,6 +32,8 @@ pub enum ControlKind {
     Wave,
     /// Names over time ("motion by numbers").
     Labels,
+    /// Music or speech.
+    Sound,
     /// Another motion.
     Motion,
 }
@@ -149,6 +152,26 @@ impl Control {
         let rows = labels.to_one_hot(rate, Some(samples))?;
         let features = Features::new(rows.values, rows.names.len())?;
         Ok(Self { features, rate, cyclic: false, domain: None, kind: ControlKind::Labels })
+    }
+
+    /// The control of a sound: 40 mel-frequency cepstral coefficients, 43 times a second (MAMM Sec. 4.4).
+    ///
+    /// # Errors
+    /// When it is silent throughout or too long.
+    pub fn from_sound(sound: &Sound, rate: f64) -> Result<Self, AlignError> {
+        if sound.is_silent() {
+            return Err(AlignError::Silence);
+        }
+        checked((sound.seconds() * rate) as usize)?;
+        let coefficients = mfcc(sound, &MfccOptions::default())?;
+        let features = Features::new(coefficients.values, coefficients.coefficients)?;
+        Ok(Self {
+            features,
+            rate: coefficients.rate_hz,
+            cyclic: false,
+            domain: None,
+            kind: ControlKind::Sound,
+        })
     }
 
     /// A control of any rows of numbers (frames x width). They are centred and scaled in double precision: small changes

@@ -2,6 +2,7 @@
 
 use inkrig_motion::MotionError;
 use inkrig_sketch::SketchError;
+use inkrig_sound::SoundError;
 use inkrig_transport::TransportError;
 
 /// What stood in the way, and what to do about it.
@@ -74,6 +75,9 @@ pub enum AlignError {
         /// What is allowed.
         range: &'static str,
     },
+    /// A sound without anything to hear.
+    #[error("the sound is silent throughout, so there is nothing to move to: give another")]
+    Silence,
     /// A keyframe that cannot be met.
     #[error("a keyframe cannot be met: {what}")]
     Key {
@@ -89,6 +93,9 @@ pub enum AlignError {
     /// From the drawing.
     #[error(transparent)]
     Sketch(#[from] SketchError),
+    /// From the sound.
+    #[error(transparent)]
+    Sound(#[from] SoundError),
     /// From the transport solver.
     #[error(transparent)]
     Transport(#[from] TransportError),

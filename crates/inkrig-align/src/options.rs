@@ -117,6 +117,7 @@ impl Options {
             ControlKind::Curve | ControlKind::Wave => {}
             // A small lambda freezes: all of a label's frames would be drawn to one moment.
             ControlKind::Labels => options.lambda = 0.3,
+            ControlKind::Sound => options.lambda = 0.02,
             ControlKind::Motion => {
                 options.source_norm = Norm::Quantile;
                 options.control_norm = Norm::Quantile;

@@ -7,7 +7,7 @@ use std::f32::consts::{PI, TAU};
 /// How the travel joint of a character moves, in a frame whose y axis is up. Built once by [`RootMotion::of`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct RootMotion {
-    /// The joint that travels: see [`Clip::travel_joint`].
+    /// The joint that travels: see [`Clip::travel_joint`](crate::Clip::travel_joint).
     pub joint: usize,
     /// Turns the space of the travel joint's parent so that y is up there too. Identity for an ordinary root.
     pub world_from_parent: Quat,

@@ -29,7 +29,7 @@ pub enum Command {
     /// Write a finished example to a folder and say what to open
     #[command(after_help = "Examples:\n  inkrig demo\n  inkrig demo my-folder")]
     Demo(DemoArgs),
-    /// Re-arrange a clip so that it follows a curve, a wave, labels or another motion
+    /// Re-arrange a clip so that it follows a curve, a wave, labels, a sound or another motion
     #[command(after_help = ALIGN_EXAMPLES)]
     Align(Box<AlignArgs>),
     /// Say what is in a motion file: skeleton, frames, unit, problems
@@ -219,6 +219,9 @@ pub struct ControlArgs {
     /// Follow labels: which movement each is, is found by itself
     #[arg(long, value_name = "A:30 B:45|FILE", help_heading = "What to follow")]
     pub labels: Option<String>,
+    /// Follow music or speech: WAV, FLAC, OGG or MP3
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "What to follow")]
+    pub sound: Option<PathBuf>,
     /// Follow another motion, of any skeleton
     #[arg(long, value_name = "FILE.bvh", value_hint = ValueHint::FilePath, help_heading = "What to follow")]
     pub like: Option<PathBuf>,

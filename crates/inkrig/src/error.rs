@@ -9,6 +9,7 @@ use inkrig_align::AlignError;
 use inkrig_formats::FormatError;
 use inkrig_motion::MotionError;
 use inkrig_sketch::SketchError;
+use inkrig_sound::SoundError;
 use miette::Diagnostic;
 use std::path::PathBuf;
 
@@ -79,6 +80,14 @@ pub enum CliError {
         path: PathBuf,
         /// Where and what.
         cause: Box<SketchError>,
+    },
+    /// A sound that cannot be understood.
+    #[error("{}: {cause}", printable::path(path))]
+    Sound {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        cause: Box<SoundError>,
     },
     /// A wave or labels on the command line that cannot be understood.
     #[error("{flag}: {cause}")]

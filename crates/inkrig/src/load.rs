@@ -5,6 +5,7 @@ use crate::error::CliError;
 use crate::printable;
 use inkrig_formats::{Finding, Format, Import, ImportOptions, Severity, UpAxis, read_motion};
 use inkrig_sketch::{Curve, read_curve};
+use inkrig_sound::Sound;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -43,6 +44,16 @@ pub fn curve(path: &Path) -> Result<Curve, CliError> {
     let bytes = drawing(path)?;
     read_curve(&bytes, format)
         .map_err(|error| CliError::Curve { path: path.to_path_buf(), cause: Box::new(error) })
+}
+
+/// Reads a sound.
+///
+/// # Errors
+/// When it is not there, too large or not understood.
+pub fn sound(path: &Path) -> Result<Sound, CliError> {
+    let bytes = bytes(path, inkrig_sound::MAX_BYTES)?;
+    let decoded = inkrig_sound::decode(&bytes, &extension(path).unwrap_or_default());
+    Ok(decoded.map_err(|error| CliError::Sound { path: path.to_path_buf(), cause: Box::new(error) })?.sound)
 }
 
 /// The bytes of a drawing, a wave, labels or keys.

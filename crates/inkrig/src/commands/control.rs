@@ -23,18 +23,24 @@ pub(super) fn control(
         wave(text, samples, rate)?
     } else if let Some(text) = &asked.labels {
         labels(text, samples, rate)?
+    } else if let Some(path) = &asked.sound {
+        stretched(Control::from_sound(&load::sound(path)?, rate)?, samples, rate)
     } else if let Some(path) = &asked.like {
-        let mut control = Control::from_motion(&motion(path)?, rate, &options.features)?;
-        if let Some(samples) = samples {
-            control.rate = control.features.frames() as f64 * rate / samples.max(1) as f64;
-        }
-        control
+        stretched(Control::from_motion(&motion(path)?, rate, &options.features)?, samples, rate)
     } else {
         // Clap asks for one of them.
         return Err(AlignError::StillControl.into());
     };
     control.cyclic = args.cyclic;
     Ok(control)
+}
+
+/// A control said to play at another speed, so that it has a length.
+fn stretched(mut control: Control, samples: Option<usize>, rate: f64) -> Control {
+    if let Some(samples) = samples {
+        control.rate = control.features.frames() as f64 * rate / samples.max(1) as f64;
+    }
+    control
 }
 
 /// A drawing; a CSV of other columns than x and y is a curve of as many dimensions.

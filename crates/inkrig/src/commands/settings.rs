@@ -11,10 +11,11 @@ pub(super) fn options(args: &AlignArgs) -> Options {
         PresetArg::Natural => Preset::Natural,
     };
     let asked = &args.control;
-    let kind = match (&asked.wave, &asked.labels, &asked.like) {
-        (Some(_), ..) => ControlKind::Wave,
-        (_, Some(_), _) => ControlKind::Labels,
-        (.., Some(_)) => ControlKind::Motion,
+    let kind = match asked {
+        _ if asked.wave.is_some() => ControlKind::Wave,
+        _ if asked.labels.is_some() => ControlKind::Labels,
+        _ if asked.sound.is_some() => ControlKind::Sound,
+        _ if asked.like.is_some() => ControlKind::Motion,
         _ => ControlKind::Curve,
     };
     let mut options = Options::for_control(kind, preset);

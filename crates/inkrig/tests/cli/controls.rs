@@ -26,7 +26,9 @@ fn waves_labels_and_other_motions_are_followed() {
     )
     .unwrap();
     std::fs::write(folder.join("snake.bvh"), inkrig::samples::find("snake").unwrap().bytes).unwrap();
-    let cases: [(&[&str], usize); 6] = [
+    std::fs::write(folder.join("tune.wav"), tune()).unwrap();
+    let cases: [(&[&str], usize); 7] = [
+        (&["--sound", "tune.wav"], 121),
         (&["--wave", "sine(0.5Hz..2Hz) for 5s", "--preview", "wave.html"], 150),
         (&["--wave", "beat.csv"], 120),
         (&["--labels", "A:60 B:60 A:60", "--preview", "labels.html"], 180),
@@ -42,6 +44,27 @@ fn waves_labels_and_other_motions_are_followed() {
         assert!(gain > 0.1, "{arguments:?}: {gain}");
     }
     assert!(folder.join("wave.html").exists() && folder.join("labels.html").exists());
+}
+
+/// Four seconds of two tones in turn, as a WAV file of 16 bits at 8 kHz.
+fn tune() -> Vec<u8> {
+    let samples = (0..32_000).map(|i| {
+        let pitch = if i / 8000 % 2 == 0 { 220.0 } else { 660.0 };
+        ((f64::from(i) / 8000.0 * pitch * std::f64::consts::TAU).sin() * 12_000.0) as i16
+    });
+    let data: Vec<u8> = samples.flat_map(i16::to_le_bytes).collect();
+    let mut file = b"RIFF".to_vec();
+    file.extend((36 + data.len() as u32).to_le_bytes());
+    file.extend(b"WAVEfmt ");
+    file.extend(16_u32.to_le_bytes());
+    file.extend([1, 0, 1, 0]);
+    file.extend(8000_u32.to_le_bytes());
+    file.extend(16_000_u32.to_le_bytes());
+    file.extend([2, 0, 16, 0]);
+    file.extend(b"data");
+    file.extend((data.len() as u32).to_le_bytes());
+    file.extend(data);
+    file
 }
 
 #[test]
