@@ -188,17 +188,21 @@ struct Number(f64);
 
 impl<'de> serde::Deserialize<'de> for Number {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_f64(NumberVisitor).map(Number)
+        deserializer.deserialize_f64(NumberVisitor(STROKES)).map(Number)
     }
 }
 
-struct NumberVisitor;
+/// What was expected where a number of a point was not one.
+const STROKES: &str = "a number (several strokes are written {\"strokes\": [[...], ...]})";
 
-impl<'de> Visitor<'de> for NumberVisitor {
+/// Takes any number as f64; the text says what was expected otherwise.
+pub(crate) struct NumberVisitor(pub(crate) &'static str);
+
+impl Visitor<'_> for NumberVisitor {
     type Value = f64;
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("a number (several strokes are written {\"strokes\": [[...], ...]})")
+        formatter.write_str(self.0)
     }
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<f64, E> {

@@ -1,7 +1,7 @@
 //! Drawings as files: bytes in, [`Curve`] out.
 
 pub(crate) mod csv;
-mod json;
+pub(crate) mod json;
 mod svg;
 
 use std::path::Path;

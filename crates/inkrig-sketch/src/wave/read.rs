@@ -7,6 +7,7 @@ use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, Seq
 
 use super::MAX_RATE;
 use crate::read::csv::{Stop, each_row, is_header, number};
+use crate::read::json::NumberVisitor;
 use crate::table::{Refusal, TableBuilder, field_count, is_time, located, text_of};
 use crate::{Format, SketchError, Table};
 
@@ -193,29 +194,7 @@ struct Sample(f64);
 
 impl<'de> serde::Deserialize<'de> for Sample {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_f64(SampleVisitor).map(Sample)
-    }
-}
-
-struct SampleVisitor;
-
-impl Visitor<'_> for SampleVisitor {
-    type Value = f64;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str("a number: a wave has one for each sample")
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<f64, E> {
-        Ok(value)
-    }
-
-    fn visit_u64<E: Error>(self, value: u64) -> Result<f64, E> {
-        Ok(value as f64)
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {
-        Ok(value as f64)
+        deserializer.deserialize_f64(NumberVisitor("a number: a wave has one for each sample")).map(Sample)
     }
 }
 
