@@ -100,7 +100,12 @@ impl Control {
         let frames = time::resampled_frames(&motion, rate);
         if frames > MOST_FRAMES {
             let what = "the motion to be like";
-            return Err(AlignError::TooLong { what, frames, most: MOST_FRAMES, cut: "another file" });
+            return Err(AlignError::TooLong {
+                what,
+                frames,
+                most: MOST_FRAMES,
+                cut: "a motion editor first",
+            });
         }
         let motion = time::decimate(&motion, rate)?;
         let rate = motion.frame_rate();

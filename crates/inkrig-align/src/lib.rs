@@ -1,4 +1,5 @@
-//! The first engine: an animator's own clip, of any skeleton, arranged anew so that it follows a drawn curve.
+//! The first engine: an animator's own clips, of any skeleton, arranged anew so that they follow a control: a drawn
+//! curve, a wave, labels, a sound or another motion.
 //!
 //! The method is Metric-Aligning Motion Matching (MAMM, SIGGRAPH 2025): patches of the motion are matched to patches
 //! of the control so that distances *within* the one agree with distances *within* the other, by fused semi-unbalanced

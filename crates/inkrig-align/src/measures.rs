@@ -63,8 +63,6 @@ pub struct Nearness {
     /// Share of source patches that have an output patch nearer than max(2 a, 0.1), where a is the mean distance of
     /// consecutive source patches; in mean source distances. 1 when everything in the clip is used.
     pub coverage: f64,
-    /// The a above: how far the clip itself moves in a frame.
-    pub adjacent: f64,
 }
 
 /// Nearness from the distances between output and source patches (N x M) and within the source (M x M), both
@@ -86,7 +84,6 @@ pub fn nearness(cross: &Mat<f32>, source: &Mat<f32>) -> Nearness {
     Nearness {
         nearest_patch: total / cross.rows().max(1) as f64,
         coverage: covered as f64 / cross.cols().max(1) as f64,
-        adjacent,
     }
 }
 

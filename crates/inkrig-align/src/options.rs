@@ -68,7 +68,7 @@ pub struct Options {
     pub travel: VelocityFrame,
     /// Poses that shall, or shall not, appear.
     pub keys: Vec<Key>,
-    /// Another seed finds another of the equally good solutions; 0 adds nothing.
+    /// Every seed scouts starts of its own, so another may find another of the equally good solutions.
     pub seed: u64,
     /// Threads to work with, at least 1. The result does not depend on it.
     pub threads: usize,

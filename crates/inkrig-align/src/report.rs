@@ -44,7 +44,7 @@ pub struct Report {
     pub rest_pose_frames: usize,
     /// Share of the features' variance that matching saw, 0..=1.
     pub feature_energy: f64,
-    /// The instruction set that was used; results are the same bytes only within one.
+    /// The processor's instruction set that was used; results are the same bytes only on machines with the same one.
     pub instruction_set: &'static str,
     /// What a reader should know: too little material, jumps, freezing, frames left out.
     pub notes: Vec<String>,

@@ -100,8 +100,8 @@ impl<T: Real> LowRank<T> {
         let (n, k) = (self.len(), self.left.cols());
         let mut gathered = vec![T::ZERO; k * m];
         let (left, right) = self.strided();
-        product(k, m, n, right, Strided::rows(x, m), &mut gathered, m, false);
-        product(n, m, k, left, Strided::rows(&gathered, m), out, m, false);
+        product(k, m, n, right, Strided::rows(x, m), &mut gathered, m);
+        product(n, m, k, left, Strided::rows(&gathered, m), out, m);
         for ((out, x), &excess) in out.chunks_exact_mut(m).zip(x.chunks_exact(m)).zip(self.excess.row(0)) {
             out.iter_mut().zip(x).for_each(|(out, &x)| *out -= excess * x);
         }
@@ -113,8 +113,8 @@ impl<T: Real> LowRank<T> {
         let rows = x.len() / n;
         let mut tall = vec![T::ZERO; rows * k];
         let (left, right) = self.strided();
-        product(rows, k, n, Strided::rows(x, n), left, &mut tall, k, false);
-        product(rows, n, k, Strided::rows(&tall, k), right, out, n, false);
+        product(rows, k, n, Strided::rows(x, n), left, &mut tall, k);
+        product(rows, n, k, Strided::rows(&tall, k), right, out, n);
         for (out, x) in out.chunks_exact_mut(n).zip(x.chunks_exact(n)) {
             let terms = x.iter().zip(self.excess.row(0));
             out.iter_mut().zip(terms).for_each(|(out, (&x, &excess))| *out -= excess * x);

@@ -88,7 +88,7 @@ pub use nystrom::Nystrom;
 pub use objective::{Terms, terms};
 pub use plan::Plan;
 pub use problem::{Params, Problem};
-pub use product::{matmul, matmul_accumulate, matmul_transposed};
+pub use product::{matmul, matmul_transposed};
 pub use real::Real;
 pub use softmax::row_softmax;
 pub use sparse_problem::SparseProblem;

@@ -40,14 +40,14 @@ pub fn terms<T: Real>(problem: &Problem<'_, T>, plan: MatRef<'_, T>) -> Result<T
     match problem.control() {
         Distances::Dense(control) => {
             let (a, b) = (Strided::rows(control.as_slice(), n), Strided::rows(plan.as_slice(), m));
-            product(n, m, n, a, b, &mut half, m, false);
+            product(n, m, n, a, b, &mut half, m);
         }
         Distances::LowRank(low) => low.times(plan.as_slice(), m, &mut half),
     }
     match problem.source() {
         Distances::Dense(source) => {
             let (a, b) = (Strided::rows(&half, m), Strided::rows(source.as_slice(), m));
-            product(n, m, m, a, b, &mut full, m, false);
+            product(n, m, m, a, b, &mut full, m);
         }
         Distances::LowRank(low) => low.times_from_right(&half, &mut full),
     }

@@ -26,7 +26,7 @@ impl<'a, T> Strided<'a, T> {
     }
 }
 
-/// `out = a b`, or `out += a b` when `accumulate`. `a` is m x k, `b` is k x n; rows of `out` are `stride` apart.
+/// `out = a b`. `a` is m x k, `b` is k x n; rows of `out` are `stride` apart.
 /// Single-threaded; sizes that do not fit the slices leave `out` as it is.
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn product<T: Real>(
@@ -37,7 +37,6 @@ pub(crate) fn product<T: Real>(
     b: Strided<'_, T>,
     out: &mut [T],
     stride: usize,
-    accumulate: bool,
 ) {
     let fits = a.fits(m, k) && b.fits(k, n) && Strided::rows(out, stride).fits(m, n) && n <= stride;
     debug_assert!(fits);
@@ -54,7 +53,7 @@ pub(crate) fn product<T: Real>(
             out.as_mut_ptr(),
             1,
             stride as isize,
-            accumulate,
+            false,
             a.data.as_ptr(),
             a.col as isize,
             a.row as isize,
@@ -94,7 +93,7 @@ pub fn matmul<T: Real>(
 ) -> Result<(), TransportError> {
     check("b", b, a.cols(), b.cols())?;
     out.reshape(a.rows(), b.cols());
-    blocked(a, Strided::rows(b.as_slice(), b.cols()), out, false, threads);
+    blocked(a, Strided::rows(b.as_slice(), b.cols()), out, threads);
     Ok(())
 }
 
@@ -110,23 +109,7 @@ pub fn matmul_transposed<T: Real>(
 ) -> Result<(), TransportError> {
     check("b", b, b.rows(), a.cols())?;
     out.reshape(a.rows(), b.rows());
-    blocked(a, Strided::rows(b.as_slice(), b.cols()).transposed(), out, false, threads);
-    Ok(())
-}
-
-/// `out += a b`.
-///
-/// # Errors
-/// [`TransportError::Shape`] when `b` or `out` does not fit.
-pub fn matmul_accumulate<T: Real>(
-    a: MatRef<'_, T>,
-    b: MatRef<'_, T>,
-    out: &mut Mat<T>,
-    threads: usize,
-) -> Result<(), TransportError> {
-    check("b", b, a.cols(), b.cols())?;
-    check("out", out.view(), a.rows(), b.cols())?;
-    blocked(a, Strided::rows(b.as_slice(), b.cols()), out, true, threads);
+    blocked(a, Strided::rows(b.as_slice(), b.cols()).transposed(), out, threads);
     Ok(())
 }
 
@@ -144,7 +127,7 @@ fn check<T: Real>(
     Err(TransportError::Shape { name, rows, cols, expected_rows, expected_cols, hint })
 }
 
-fn blocked<T: Real>(a: MatRef<'_, T>, b: Strided<'_, T>, out: &mut Mat<T>, accumulate: bool, threads: usize) {
+fn blocked<T: Real>(a: MatRef<'_, T>, b: Strided<'_, T>, out: &mut Mat<T>, threads: usize) {
     let (m, n, k) = (out.rows(), out.cols(), a.cols());
     if m == 0 || n == 0 {
         return;
@@ -153,7 +136,7 @@ fn blocked<T: Real>(a: MatRef<'_, T>, b: Strided<'_, T>, out: &mut Mat<T>, accum
     parallel::enter(threads, || {
         for_blocks(threads, m, block_rows(m), work, &|first, rows, out: Chunk<'_, T>| {
             let a = Strided::rows(&a.as_slice()[first * k..(first + rows) * k], k);
-            product(rows, n, k, a, b, out.data, n, accumulate);
+            product(rows, n, k, a, b, out.data, n);
         });
     });
 }
@@ -184,8 +167,6 @@ mod tests {
             let mut out = Mat::zeros(0, 0);
             matmul(a.view(), b.view(), &mut out, threads).unwrap();
             prop_assert!(close(&out, &want));
-            matmul_accumulate(a.view(), b.view(), &mut out, threads).unwrap();
-            prop_assert!(close(&out, &Mat::from_fn(m, n, |i, j| 2.0 * want.row(i)[j])));
             matmul_transposed(a.view(), b_transposed.view(), &mut out, threads).unwrap();
             prop_assert!(close(&out, &want));
         }
@@ -202,6 +183,5 @@ mod tests {
                 .contains("`b` is 2 x 3, expected 3 x 3")
         );
         assert!(matmul_transposed(a.view(), Mat::zeros(2, 4).view(), &mut out, 1).is_err());
-        assert!(matmul_accumulate(a.view(), Mat::zeros(3, 3).view(), &mut out, 1).is_err());
     }
 }
