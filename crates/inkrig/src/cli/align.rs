@@ -1,51 +1,12 @@
-//! The command line, as people see it.
+//! What can be said to `inkrig align`.
 
+use super::ImportArgs;
 use crate::numbers;
 use crate::span::{Length, Span};
-use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
+use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
 
-/// Turns drawings and examples into 3D character animation. Offline, on a CPU.
-#[derive(Debug, Parser)]
-#[command(name = "inkrig", version, propagate_version = true, arg_required_else_help = true)]
-#[command(
-    after_help = "Examples:\n  inkrig demo                                         see it work, with nothing else needed\n  inkrig align dance.bvh --curve spiral.svg -o new.bvh    a drawn curve moves your clip\n  inkrig inspect dance.bvh                            what is in a file"
-)]
-pub struct Cli {
-    /// What to do.
-    #[command(subcommand)]
-    pub command: Command,
-    /// Print one JSON object instead of text.
-    #[arg(long, global = true)]
-    pub json: bool,
-    /// Say nothing but errors.
-    #[arg(long, short, global = true)]
-    pub quiet: bool,
-}
-
-/// The commands.
-#[derive(Debug, Subcommand)]
-pub enum Command {
-    /// Write a finished example to a folder and say what to open
-    #[command(after_help = "Examples:\n  inkrig demo\n  inkrig demo my-folder")]
-    Demo(DemoArgs),
-    /// Re-arrange a clip so that it follows a curve, a wave, labels, a sound or another motion
-    #[command(after_help = ALIGN_EXAMPLES)]
-    Align(Box<AlignArgs>),
-    /// Say what is in a motion file: skeleton, frames, unit, problems
-    #[command(after_help = "Examples:\n  inkrig inspect walk.bvh\n  inkrig inspect walk.bvh --json")]
-    Inspect(InspectArgs),
-    /// Print a completion script for your shell
-    #[command(
-        after_help = "Example:\n  inkrig completions bash > ~/.local/share/bash-completion/completions/inkrig"
-    )]
-    Completions {
-        /// The shell.
-        shell: clap_complete::Shell,
-    },
-}
-
-const ALIGN_EXAMPLES: &str = "\
+pub(super) const EXAMPLES: &str = "\
 Examples:
   inkrig align dance.bvh --curve spiral.svg -o new.bvh
       ten seconds of dance that grows and shrinks with the drawing
@@ -62,51 +23,6 @@ Examples:
       two kinds of movement in turn; four seconds in, the pose of frame 320 of the clip
 
 Curves: JSON ([[x,y],...] or [[x,y,t],...]), CSV (x,y or x,y,t; n rows without t are n frames of 30 a second), SVG (its paths).";
-
-/// Arguments of `inkrig demo`.
-#[derive(Debug, Args)]
-pub struct DemoArgs {
-    /// The folder to write to; made if it is not there
-    #[arg(default_value = "inkrig-demo", value_hint = ValueHint::DirPath)]
-    pub folder: PathBuf,
-    /// Replace files of the same names even where they are not the demo's own
-    #[arg(long)]
-    pub force: bool,
-}
-
-/// Arguments of `inkrig inspect`.
-#[derive(Debug, Args)]
-pub struct InspectArgs {
-    /// The motion file
-    #[arg(value_hint = ValueHint::FilePath)]
-    pub file: PathBuf,
-    #[command(flatten)]
-    /// How to read it.
-    pub import: ImportArgs,
-}
-
-/// How to read a motion file.
-#[derive(Debug, Args)]
-pub struct ImportArgs {
-    /// Metres in one unit of the file (0.01 for centimetres); guessed if not given
-    #[arg(long, value_name = "METRES", value_parser = numbers::unit, allow_negative_numbers = true, help_heading = "Reading")]
-    pub unit: Option<f64>,
-    /// The axis that points up in the file
-    #[arg(long, value_name = "AXIS", help_heading = "Reading")]
-    pub up: Option<Up>,
-    /// Frames a second of the file, where it says nothing usable or the wrong thing
-    #[arg(long, value_name = "RATE", value_parser = numbers::source_fps, allow_negative_numbers = true, help_heading = "Reading")]
-    pub source_fps: Option<f64>,
-}
-
-/// Axes that can point up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Up {
-    /// y up: most files.
-    Y,
-    /// z up: some capture systems and exporters.
-    Z,
-}
 
 /// Arguments of `inkrig align`.
 #[derive(Debug, Args)]
@@ -282,15 +198,4 @@ pub enum RotationArg {
     Local,
     /// The root's.
     Root,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::CommandFactory;
-
-    #[test]
-    fn the_command_line_is_consistent() {
-        Cli::command().debug_assert();
-    }
 }
