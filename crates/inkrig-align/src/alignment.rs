@@ -3,13 +3,12 @@
 use crate::coarse_to_fine::{Buffers, Frames, solve};
 use crate::control::Control;
 use crate::keys::{Keys, Timing};
-use crate::measures::{Dynamics, Structure, nearness, structure};
-use crate::patches::{PatchScratch, normalised_self_distances, patch_distances};
 use crate::progress::Observer;
 use crate::pyramid::{close_loop, resample_frames};
-use crate::reconstruct::{Ends, blend_clip, frames_per_sample};
+use crate::quality::Quality;
+use crate::reconstruct::{Ends, blend_clip};
 use crate::report::{Report, StageRow, notes};
-use crate::{AlignError, Layout, Norm, Options, pca};
+use crate::{AlignError, Layout, Options, pca};
 use inkrig_motion::{Clip, FeatureLayout, Features, Takes, lead_in, time};
 use inkrig_transport::{Isa, Mat, MatRef, Plan};
 use std::time::Instant;
@@ -78,22 +77,20 @@ pub fn align(
     let clip = blend_clip(&source, &matched, &matching.weights, (ring, &keys.exact), options)?;
     let (best_source, confidence) = most_used(&matching.weights, options.matching_rate);
     clock.stage("reconstruction");
-    let measured = Measured::of(&source, &clip, &layout, (&features, &columns), (&drawn, &rows), options)?;
+    let quality = Quality::of(&source, &clip, &layout, (&features, &columns), (&drawn, &rows), options)?;
     clock.stage("measuring");
-    let (result, original) = (&measured.result, &measured.original);
-    let slow = 0.1 * original.speed_mean();
     let mut report = Report {
-        structure_pearson: measured.structure.pearson,
-        structure_spearman: measured.structure.spearman,
-        structure_pearson_warp: measured.warp.pearson,
-        nearest_patch: measured.nearness.nearest_patch,
-        coverage: measured.nearness.coverage,
-        speed_mean_ratio: ratio(result.speed_mean(), original.speed_mean()),
-        jump_q999_ratio: ratio(result.speed_q999, original.speed_q999),
-        jerk_ratio: ratio(result.jerk, original.jerk),
-        freeze: result.slower_than(slow),
-        freeze_source: original.slower_than(slow),
-        loop_seam_ratio: control.cyclic.then(|| result.seam(&clip, layout.travel_joint())),
+        structure_pearson: quality.structure_pearson,
+        structure_spearman: quality.structure_spearman,
+        structure_pearson_warp: quality.structure_pearson_warp,
+        nearest_patch: quality.nearest_patch,
+        coverage: quality.coverage,
+        speed_mean_ratio: quality.speed_mean_ratio,
+        jump_q999_ratio: quality.jump_q999_ratio,
+        jerk_ratio: quality.jerk_ratio,
+        freeze: quality.freeze,
+        freeze_source: quality.freeze_source,
+        loop_seam_ratio: quality.loop_seam_ratio,
         gradients: matching.gradients,
         solve_seconds,
         total_seconds: clock.total(),
@@ -138,70 +135,12 @@ impl Clock {
     }
 }
 
-/// Results measured on the finished clip, not on the solver's own numbers.
-struct Measured {
-    structure: Structure,
-    warp: Structure,
-    nearness: crate::measures::Nearness,
-    result: Dynamics,
-    original: Dynamics,
-}
-
-impl Measured {
-    fn of(
-        source: &Takes,
-        result: &Clip,
-        layout: &FeatureLayout,
-        (features, columns): (&Features, &Layout),
-        (control, rows): (&Mat<f32>, &Layout),
-        options: &Options,
-    ) -> Result<Self, AlignError> {
-        let threads = options.threads;
-        let mut scratch = PatchScratch::new();
-        let empty = Mat::<f32>::default;
-        let (mut of_control, mut of_source, mut of_result, mut of_warp, mut cross) =
-            (empty(), empty(), empty(), empty(), empty());
-        normalised_self_distances(control.view(), rows, Norm::Mean, &mut scratch, &mut of_control, threads)?
-            .ok_or(AlignError::StillControl)?;
-        // Centred, so that squares of what all frames have in common do not eat the digits of what differs.
-        let means = column_means(features);
-        let frames = centred(features, &means);
-        let frames = (frames.view(), columns);
-        let scale =
-            normalised_self_distances(frames.0, columns, Norm::Mean, &mut scratch, &mut of_source, threads)?
-                .ok_or(AlignError::StillClip)?;
-        // The result at the matching rate, one frame a control sample.
-        let step = frames_per_sample(result.frame_rate(), options.matching_rate);
-        let places: Vec<f64> = (0..rows.frames()).map(|sample| sample as f64 * step).collect();
-        let matched = time::sample_at(result, &places, options.matching_rate)?;
-        let mut own = centred(&layout.features(&matched.into()), &means);
-        close_loop(rows, &mut own);
-        let own = (own.view(), rows);
-        patch_distances(own, own, scale, &mut scratch, &mut of_result, threads)?;
-        patch_distances(own, frames, scale, &mut scratch, &mut cross, threads)?;
-        let mut stretched = Mat::zeros(0, 0);
-        // The baseline knows neither cuts nor loops.
-        let (all, even) =
-            (Layout::open(columns.frames(), columns.patch()), Layout::open(rows.rows(), rows.patch()));
-        resample_frames(frames.0, &all, &even, &mut stretched);
-        let stretched = (stretched.view(), &even);
-        patch_distances(stretched, stretched, scale, &mut scratch, &mut of_warp, threads)?;
-        Ok(Self {
-            structure: structure(&of_control, &of_result, rows.patch()),
-            warp: structure(&of_control, &of_warp, rows.patch()),
-            nearness: nearness(&cross, &of_source),
-            result: Dynamics::of(result, layout.travel_joint()),
-            original: Dynamics::of(source.clip(), layout.travel_joint()),
-        })
-    }
-}
-
-fn table(features: &Features) -> Result<MatRef<'_, f32>, AlignError> {
+pub(crate) fn table(features: &Features) -> Result<MatRef<'_, f32>, AlignError> {
     Ok(MatRef::new(features.as_slice(), features.frames(), features.width())?)
 }
 
 /// The takes without the calibration poses at their beginnings, and how many frames of each that left out.
-fn without_lead_ins(takes: &Takes) -> Result<(Takes, Vec<usize>), AlignError> {
+pub(crate) fn without_lead_ins(takes: &Takes) -> Result<(Takes, Vec<usize>), AlignError> {
     let mut left_out = Vec::with_capacity(takes.count());
     let mut kept = Vec::with_capacity(takes.count());
     for range in takes.ranges() {
@@ -214,7 +153,7 @@ fn without_lead_ins(takes: &Takes) -> Result<(Takes, Vec<usize>), AlignError> {
 }
 
 /// The control's rows at the matching rate, and its layout.
-fn at_rate(control: &Control, options: &Options) -> (Mat<f32>, Layout) {
+pub(crate) fn at_rate(control: &Control, options: &Options) -> (Mat<f32>, Layout) {
     let features = &control.features;
     let layout = |frames| {
         if control.cyclic {
@@ -232,20 +171,8 @@ fn at_rate(control: &Control, options: &Options) -> (Mat<f32>, Layout) {
     (out, to)
 }
 
-fn column_means(features: &Features) -> Vec<f32> {
-    let mut sums = vec![0.0_f64; features.width()];
-    for frame in 0..features.frames() {
-        sums.iter_mut().zip(features.row(frame)).for_each(|(sum, &value)| *sum += f64::from(value));
-    }
-    sums.into_iter().map(|sum| (sum / features.frames() as f64) as f32).collect()
-}
-
-fn centred(features: &Features, means: &[f32]) -> Mat<f32> {
-    Mat::from_fn(features.frames(), features.width(), |row, column| features.row(row)[column] - means[column])
-}
-
 /// Says what is too short or too long before anything is made of that length.
-fn check_lengths(source: &Takes, control: &Control, options: &Options) -> Result<(), AlignError> {
+pub(crate) fn check_lengths(source: &Takes, control: &Control, options: &Options) -> Result<(), AlignError> {
     let (patch, rate) = (options.patch(), options.matching_rate);
     let needed = 2 * patch;
     let clip_rate = source.clip().frame_rate();
@@ -282,9 +209,4 @@ fn most_used(weights: &Mat<f32>, rate: f64) -> (Vec<f32>, Vec<f32>) {
             ((best as f64 / rate) as f32, near.iter().sum::<f32>().clamp(0.0, 1.0))
         })
         .unzip()
-}
-
-/// 1 where the source has none of it: nothing was lost and nothing came up.
-fn ratio(a: f64, b: f64) -> f64 {
-    if b > 0.0 { a / b } else { 1.0 }
 }

@@ -9,6 +9,7 @@
 mod alignment;
 pub mod blend;
 pub mod coarse_to_fine;
+mod comparison;
 mod control;
 mod error;
 mod keys;
@@ -19,16 +20,19 @@ pub mod patches;
 pub mod pca;
 mod progress;
 pub mod pyramid;
+mod quality;
 pub mod reconstruct;
 mod report;
 #[cfg(test)]
 mod testing;
 
 pub use alignment::{Alignment, MOST_FRAMES, align};
+pub use comparison::Comparison;
 pub use control::{Control, ControlKind, CurveOptions};
 pub use error::AlignError;
 pub use keys::{Key, Keys, Place};
 pub use layout::{Layout, Run};
 pub use options::{Norm, Options, Preset};
 pub use progress::{Observer, Progress};
+pub use quality::Quality;
 pub use report::{Report, StageRow};

@@ -1,0 +1,118 @@
+//! How good a motion is that shall follow a control: measured on the finished clip, not on the solver's own numbers.
+
+use crate::measures::{Dynamics, nearness, structure};
+use crate::patches::{PatchScratch, normalised_self_distances, patch_distances};
+use crate::pyramid::{close_loop, resample_frames};
+use crate::reconstruct::frames_per_sample;
+use crate::{AlignError, Layout, Norm, Options};
+use inkrig_motion::{Clip, FeatureLayout, Features, Takes, time};
+use inkrig_transport::Mat;
+use serde::Serialize;
+
+/// What a motion is worth that shall follow a control and still be the clip. No number says it alone: structure can be
+/// had by freezing or by jumping, nearness by repeating one moment.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Quality {
+    /// Pearson correlation of patch distances within the control and within the result, -1..=1.
+    pub structure_pearson: f64,
+    /// The same by ranks.
+    pub structure_spearman: f64,
+    /// What the clip alone gives, stretched evenly to the control's length: the baseline.
+    pub structure_pearson_warp: f64,
+    /// Mean distance of an output patch to its nearest source patch, in mean source distances.
+    pub nearest_patch: f64,
+    /// Share of the source's patches that the result comes near to, 0..=1.
+    pub coverage: f64,
+    /// Mean root-relative joint speed of the result over the source's.
+    pub speed_mean_ratio: f64,
+    /// 99.9th percentile of root-relative joint speed of the result over the source's: above 2 something jumps.
+    pub jump_q999_ratio: f64,
+    /// Mean third difference of the result over the source's.
+    pub jerk_ratio: f64,
+    /// Share of steps slower than a tenth of the source's mean speed, 0..=1.
+    pub freeze: f64,
+    /// The same of the source itself.
+    pub freeze_source: f64,
+    /// For a loop: the step from the last pose to the first over the median step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub loop_seam_ratio: Option<f64>,
+}
+
+impl Quality {
+    /// Measures a result against its source and its control, both without lead-ins; features and control are at the
+    /// matching rate, the result at the source's own.
+    pub(crate) fn of(
+        source: &Takes,
+        result: &Clip,
+        layout: &FeatureLayout,
+        (features, columns): (&Features, &Layout),
+        (control, rows): (&Mat<f32>, &Layout),
+        options: &Options,
+    ) -> Result<Self, AlignError> {
+        let threads = options.threads;
+        let mut scratch = PatchScratch::new();
+        let empty = Mat::<f32>::default;
+        let (mut of_control, mut of_source, mut of_result, mut of_warp, mut cross) =
+            (empty(), empty(), empty(), empty(), empty());
+        normalised_self_distances(control.view(), rows, Norm::Mean, &mut scratch, &mut of_control, threads)?
+            .ok_or(AlignError::StillControl)?;
+        // Centred, so that squares of what all frames have in common do not eat the digits of what differs.
+        let means = column_means(features);
+        let frames = centred(features, &means);
+        let frames = (frames.view(), columns);
+        let scale =
+            normalised_self_distances(frames.0, columns, Norm::Mean, &mut scratch, &mut of_source, threads)?
+                .ok_or(AlignError::StillClip)?;
+        // The result at the matching rate, one frame a control sample.
+        let step = frames_per_sample(result.frame_rate(), options.matching_rate);
+        let places: Vec<f64> = (0..rows.frames()).map(|sample| sample as f64 * step).collect();
+        let matched = time::sample_at(result, &places, options.matching_rate)?;
+        let mut own = centred(&layout.features(&matched.into()), &means);
+        close_loop(rows, &mut own);
+        let own = (own.view(), rows);
+        patch_distances(own, own, scale, &mut scratch, &mut of_result, threads)?;
+        patch_distances(own, frames, scale, &mut scratch, &mut cross, threads)?;
+        let mut stretched = Mat::zeros(0, 0);
+        // The baseline knows neither cuts nor loops.
+        let (all, even) =
+            (Layout::open(columns.frames(), columns.patch()), Layout::open(rows.rows(), rows.patch()));
+        resample_frames(frames.0, &all, &even, &mut stretched);
+        let stretched = (stretched.view(), &even);
+        patch_distances(stretched, stretched, scale, &mut scratch, &mut of_warp, threads)?;
+        let own = structure(&of_control, &of_result, rows.patch());
+        let near = nearness(&cross, &of_source);
+        let travel = layout.travel_joint();
+        let (moves, original) = (Dynamics::of(result, travel), Dynamics::of(source.clip(), travel));
+        let slow = 0.1 * original.speed_mean();
+        Ok(Self {
+            structure_pearson: own.pearson,
+            structure_spearman: own.spearman,
+            structure_pearson_warp: structure(&of_control, &of_warp, rows.patch()).pearson,
+            nearest_patch: near.nearest_patch,
+            coverage: near.coverage,
+            speed_mean_ratio: ratio(moves.speed_mean(), original.speed_mean()),
+            jump_q999_ratio: ratio(moves.speed_q999, original.speed_q999),
+            jerk_ratio: ratio(moves.jerk, original.jerk),
+            freeze: moves.slower_than(slow),
+            freeze_source: original.slower_than(slow),
+            loop_seam_ratio: rows.is_cyclic().then(|| moves.seam(result, travel)),
+        })
+    }
+}
+
+fn column_means(features: &Features) -> Vec<f32> {
+    let mut sums = vec![0.0_f64; features.width()];
+    for frame in 0..features.frames() {
+        sums.iter_mut().zip(features.row(frame)).for_each(|(sum, &value)| *sum += f64::from(value));
+    }
+    sums.into_iter().map(|sum| (sum / features.frames() as f64) as f32).collect()
+}
+
+fn centred(features: &Features, means: &[f32]) -> Mat<f32> {
+    Mat::from_fn(features.frames(), features.width(), |row, column| features.row(row)[column] - means[column])
+}
+
+/// 1 where the source has none of it: nothing was lost and nothing came up.
+fn ratio(a: f64, b: f64) -> f64 {
+    if b > 0.0 { a / b } else { 1.0 }
+}
