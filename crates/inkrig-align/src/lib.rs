@@ -23,6 +23,7 @@ pub mod pyramid;
 mod quality;
 pub mod reconstruct;
 mod report;
+mod suggest;
 #[cfg(test)]
 mod testing;
 
@@ -36,3 +37,4 @@ pub use options::{Norm, Options, Preset};
 pub use progress::{Observer, Progress};
 pub use quality::Quality;
 pub use report::{Report, StageRow};
+pub use suggest::{Candidate, MapFrame, Moment, Moments, MotionMap, candidates};
