@@ -14,16 +14,20 @@ mod control;
 mod error;
 mod keys;
 mod layout;
+mod level;
 pub mod measures;
 mod options;
 pub mod patches;
 pub mod pca;
+mod polish;
+mod prepared;
 mod progress;
 pub mod pyramid;
 mod quality;
 pub mod reconstruct;
 mod report;
 mod suggest;
+mod scouting;
 #[cfg(test)]
 mod testing;
 
