@@ -26,8 +26,8 @@ pub mod pyramid;
 mod quality;
 pub mod reconstruct;
 mod report;
-mod suggest;
 mod scouting;
+mod suggest;
 #[cfg(test)]
 mod testing;
 
