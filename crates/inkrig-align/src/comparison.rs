@@ -143,8 +143,7 @@ mod tests {
         let aligned = crate::align(&takes, &control, &options, &mut |_| ControlFlow::Continue(())).unwrap();
         let comparison = Comparison::new(&takes, &control, &options).unwrap();
         let (quality, report) = (comparison.measure(&aligned.clip).unwrap(), &aligned.report);
-        assert_eq!(quality.structure_pearson, report.structure_pearson);
-        assert_eq!((quality.nearest_patch, quality.jerk_ratio), (report.nearest_patch, report.jerk_ratio));
+        assert_eq!(quality, report.quality());
         let again = comparison.clip_of_plan(aligned.plan.dense()).unwrap();
         assert_eq!(
             comparison.measure(&again).unwrap(),

@@ -1,7 +1,7 @@
 //! What came out, in flat numbers with stable names.
 
-use crate::Options;
 use crate::coarse_to_fine::LevelRow;
+use crate::{Options, Quality};
 use serde::Serialize;
 
 /// Numbers of one alignment. The names are stable: tools may read them from the report file.
@@ -52,6 +52,25 @@ pub struct Report {
     pub stages: Vec<StageRow>,
     /// One row a level.
     pub levels: Vec<LevelRow>,
+}
+
+impl Report {
+    /// The part of it that any motion can be measured by: see [`Comparison`](crate::Comparison).
+    pub fn quality(&self) -> Quality {
+        Quality {
+            structure_pearson: self.structure_pearson,
+            structure_spearman: self.structure_spearman,
+            structure_pearson_warp: self.structure_pearson_warp,
+            nearest_patch: self.nearest_patch,
+            coverage: self.coverage,
+            speed_mean_ratio: self.speed_mean_ratio,
+            jump_q999_ratio: self.jump_q999_ratio,
+            jerk_ratio: self.jerk_ratio,
+            freeze: self.freeze,
+            freeze_source: self.freeze_source,
+            loop_seam_ratio: self.loop_seam_ratio,
+        }
+    }
 }
 
 /// What one stage of a run took.

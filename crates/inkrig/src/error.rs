@@ -120,6 +120,15 @@ pub enum CliError {
     /// Two results would go to one file, or a result over an input.
     #[error("{} is named twice: every input and result needs a name of its own", printable::path(.0))]
     SameFile(PathBuf),
+    /// No case of the benchmark has such a name.
+    #[error("no case of the benchmark is called {}", printable::text(asked))]
+    #[diagnostic(help("the cases are: {}", printable::text(known)))]
+    NoCase {
+        /// The words that were given.
+        asked: String,
+        /// The names that there are.
+        known: String,
+    },
     /// The engine could not align.
     #[error("{}", printable::text(.0))]
     Align(Box<AlignError>),

@@ -23,6 +23,7 @@ pub use inkrig_sketch as sketch;
 pub use inkrig_sound as sound;
 pub use inkrig_transport as transport;
 
+pub mod bench;
 pub mod cli;
 pub mod commands;
 pub mod console;

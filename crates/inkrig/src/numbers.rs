@@ -26,6 +26,11 @@ pub(crate) fn threads(text: &str) -> Result<usize, String> {
     within(text, 1..=1024, "threads")
 }
 
+/// Repeats of a measurement.
+pub(crate) fn repeats(text: &str) -> Result<usize, String> {
+    within(text, 1..=1000, "runs")
+}
+
 /// Metres in a unit of a file.
 pub(crate) fn unit(text: &str) -> Result<f64, String> {
     within(text, 1e-6..=1e6, "metres (0.01 for centimetres)")

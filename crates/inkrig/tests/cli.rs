@@ -1,6 +1,8 @@
 //! The program as a user meets it.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "cli/bench.rs"]
+mod bench;
 #[path = "cli/controls.rs"]
 mod controls;
 #[path = "cli/demo.rs"]

@@ -1,8 +1,10 @@
 //! The command line, as people see it.
 
 mod align;
+mod bench;
 
 pub use align::{AlignArgs, ControlArgs, NormArg, PresetArg, RotationArg, VelocityArg};
+pub use bench::{BenchAlignArgs, BenchArgs, BenchCommand};
 
 use crate::numbers;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
@@ -35,6 +37,8 @@ pub enum Command {
     /// Re-arrange a clip so that it follows a curve, a wave, labels, a sound or another motion
     #[command(after_help = align::EXAMPLES)]
     Align(Box<AlignArgs>),
+    /// Measure quality and speed, beside simpler methods
+    Bench(BenchArgs),
     /// Say what is in a motion file: skeleton, frames, unit, problems
     #[command(after_help = "Examples:\n  inkrig inspect walk.bvh\n  inkrig inspect walk.bvh --json")]
     Inspect(InspectArgs),

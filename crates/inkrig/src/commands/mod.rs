@@ -1,6 +1,7 @@
 //! One module a command: arguments in, files and words out.
 
 mod align;
+mod bench;
 pub(crate) mod control;
 mod demo;
 mod demo_files;
@@ -22,6 +23,7 @@ pub fn run(cli: Cli) -> Result<(), CliError> {
     let console = Console::new(cli.json, cli.quiet);
     match cli.command {
         Command::Align(args) => align::run(&args, &console),
+        Command::Bench(args) => bench::run(&args, &console),
         Command::Demo(args) => demo::run(&args, &console),
         Command::Inspect(args) => inspect::run(&args, &console),
         Command::Completions { shell } => {
