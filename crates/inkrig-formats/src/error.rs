@@ -74,6 +74,14 @@ impl FormatError {
         }
     }
 
+    /// The same, said of one of several files that make a motion.
+    pub(crate) fn in_file(mut self, file: &str) -> Self {
+        if let Self::Read { what, .. } | Self::Limit { what, .. } = &mut self {
+            *what = format!("{what} (in the {file} file)");
+        }
+        self
+    }
+
     /// What is wrong, without where and what to do.
     pub fn what(&self) -> String {
         match self {

@@ -1,6 +1,8 @@
 //! The formats by name, so that a caller need not know which module reads what.
 
-use crate::{ExportOptions, FormatError, Import, ImportOptions, Written, read_bvh, write_bvh};
+use crate::{
+    ExportOptions, FormatError, Import, ImportOptions, Written, read_amc, read_bvh, read_deepmimic, write_bvh,
+};
 use inkrig_motion::Clip;
 
 /// A motion file format.
@@ -9,19 +11,30 @@ use inkrig_motion::Clip;
 pub enum Format {
     /// Biovision hierarchy, text.
     Bvh,
+    /// Acclaim motion: needs the ASF file of its skeleton. Read only.
+    Amc,
+    /// A motion of the DeepMimic project, JSON in a `.txt`: needs the file of its character. Read only.
+    DeepMimic,
 }
 
 impl Format {
     /// The format of a file name extension, given with or without its dot, in upper or lower case.
     pub fn from_extension(extension: &str) -> Option<Self> {
         let extension = extension.strip_prefix('.').unwrap_or(extension);
-        extension.eq_ignore_ascii_case("bvh").then_some(Self::Bvh)
+        match extension.to_ascii_lowercase().as_str() {
+            "bvh" => Some(Self::Bvh),
+            "amc" => Some(Self::Amc),
+            "txt" | "json" => Some(Self::DeepMimic),
+            _ => None,
+        }
     }
 
     /// The usual extension, without a dot.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Bvh => "bvh",
+            Self::Amc => "amc",
+            Self::DeepMimic => "txt",
         }
     }
 
@@ -29,6 +42,8 @@ impl Format {
     pub fn name(self) -> &'static str {
         match self {
             Self::Bvh => "BVH",
+            Self::Amc => "AMC",
+            Self::DeepMimic => "DeepMimic",
         }
     }
 }
@@ -36,10 +51,12 @@ impl Format {
 /// Reads a motion in a known format.
 ///
 /// # Errors
-/// What the format's own reader says: see [`read_bvh`].
+/// What the format's own reader says: see [`read_bvh`], [`read_amc`], [`read_deepmimic`].
 pub fn read_motion(bytes: &[u8], format: Format, options: &ImportOptions) -> Result<Import, FormatError> {
     match format {
         Format::Bvh => read_bvh(bytes, options),
+        Format::Amc => read_amc(bytes, options),
+        Format::DeepMimic => read_deepmimic(bytes, options),
     }
 }
 
@@ -50,6 +67,10 @@ pub fn read_motion(bytes: &[u8], format: Format, options: &ImportOptions) -> Res
 pub fn write_motion(clip: &Clip, format: Format, options: &ExportOptions) -> Result<Written, FormatError> {
     match format {
         Format::Bvh => write_bvh(clip, options),
+        Format::Amc | Format::DeepMimic => Err(FormatError::Write {
+            what: format!("inkrig does not write {} files", format.name()),
+            hint: "write a .bvh instead".into(),
+        }),
     }
 }
 

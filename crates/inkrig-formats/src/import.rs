@@ -26,6 +26,8 @@ pub struct ImportOptions {
     pub up: Option<UpAxis>,
     /// Frames a second; overrides what the file says.
     pub frame_rate: Option<f64>,
+    /// The skeleton file, for formats that keep it apart from the motion: ASF for AMC, a character for DeepMimic.
+    pub skeleton: Option<Vec<u8>>,
     /// How much the file may ask for.
     pub limits: Limits,
 }

@@ -20,16 +20,23 @@
 
 #![deny(clippy::indexing_slicing)]
 
+mod asf_amc;
 mod bvh;
+mod deepmimic;
 mod error;
+mod euler;
 mod export;
 mod finding;
 mod format;
 mod import;
+mod lexer;
 mod limits;
+mod numbers;
 mod unit;
 
+pub use asf_amc::read_amc;
 pub use bvh::{read_bvh, write_bvh};
+pub use deepmimic::read_deepmimic;
 pub use error::FormatError;
 pub use export::{ExportOptions, Written};
 pub use finding::{Finding, Place, Severity};

@@ -1,5 +1,7 @@
 //! How much a file may ask for.
 
+use crate::FormatError;
+
 /// Upper bounds of a reader, checked before anything is allocated. The defaults let every real file through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
@@ -17,6 +19,17 @@ pub struct Limits {
 impl Limits {
     /// Frames times joints that any file may have, however short its rows are: 1 Mi, which is 16 MiB in memory.
     pub const FREE_CELLS: usize = 1 << 20;
+
+    /// Refuses a text that is longer than [`Self::bytes`].
+    pub(crate) fn check_bytes(&self, bytes: &[u8]) -> Result<(), FormatError> {
+        let limit = self.bytes;
+        if bytes.len() <= limit {
+            return Ok(());
+        }
+        let what = format!("the file has {} bytes", bytes.len());
+        let hint = "cut it into shorter motions".into();
+        Err(FormatError::Limit { what, limit, place: None, hint })
+    }
 
     /// The number of cells that a file of `bytes` bytes may have.
     pub(crate) fn cells_for(&self, bytes: usize) -> usize {

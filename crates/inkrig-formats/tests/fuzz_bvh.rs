@@ -155,6 +155,7 @@ fn check(text: &[u8], flags: u8) -> bool {
         metres_per_unit: (flags & 1 != 0).then_some(1.0),
         up: (flags & 2 != 0).then_some(UpAxis::Z),
         frame_rate: (flags & 4 != 0).then_some(24.0),
+        skeleton: None,
         limits: Limits { joints: 200, ..Limits::default() },
     };
     let first = match read_bvh(text, &options) {

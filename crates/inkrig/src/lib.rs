@@ -26,6 +26,7 @@ pub use inkrig_transport as transport;
 pub mod bench;
 pub mod cli;
 pub mod commands;
+mod companion;
 pub mod console;
 pub mod error;
 pub mod load;

@@ -1,6 +1,7 @@
 //! Files in: motion and drawings, with limits.
 
 use crate::cli::{ImportArgs, Up};
+use crate::companion;
 use crate::error::CliError;
 use crate::printable;
 use inkrig_formats::{Finding, Format, Import, ImportOptions, Severity, UpAxis, read_motion};
@@ -15,10 +16,15 @@ use std::path::Path;
 /// # Errors
 /// When it is not there, too large, of an unknown kind, or not understood.
 pub fn motion(path: &Path, args: &ImportArgs) -> Result<Import, CliError> {
-    let known = "known motion files: .bvh";
+    let known = "known motion files: .bvh, .amc (with its .asf), DeepMimic's .txt or .json";
     let format = extension(path)
         .and_then(|extension| Format::from_extension(&extension))
         .ok_or_else(|| CliError::Kind { path: path.to_path_buf(), known })?;
+    let companion = match format {
+        Format::Amc | Format::DeepMimic => args.skeleton.clone().or_else(|| companion::beside(path, format)),
+        _ => None,
+    };
+    let most = ImportOptions::default().limits.bytes;
     let options = ImportOptions {
         metres_per_unit: args.unit,
         up: args.up.map(|up| match up {
@@ -26,6 +32,7 @@ pub fn motion(path: &Path, args: &ImportArgs) -> Result<Import, CliError> {
             Up::Z => UpAxis::Z,
         }),
         frame_rate: args.source_fps,
+        skeleton: companion.map(|path| bytes(&path, most)).transpose()?,
         ..ImportOptions::default()
     };
     let bytes = bytes(path, options.limits.bytes)?;

@@ -4,7 +4,7 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::{load, show};
 use inkrig_align::{Alignment, Control};
-use inkrig_formats::{ExportOptions, SourceInfo, write_motion};
+use inkrig_formats::{ExportOptions, Format, SourceInfo, write_motion};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -57,7 +57,11 @@ pub(crate) fn write<R: Serialize>(
 ) -> Result<R, CliError> {
     let (alignment, control) = (made.alignment, made.control);
     let stage = console.stage("writing the motion");
-    let written = write_motion(&alignment.clip, made.source.format, &ExportOptions::like(made.source))?;
+    let written = write_motion(
+        &alignment.clip,
+        written_as(places.motion, made.source),
+        &ExportOptions::like(made.source),
+    )?;
     drop(stage);
     let warnings = load::warnings(&written.findings, places.motion);
     for warning in &warnings {
@@ -86,4 +90,10 @@ pub(crate) fn write<R: Serialize>(
         console.say(format!("wrote {}", crate::printable::path(path)))?;
     }
     Ok(record)
+}
+
+/// The format of a file name, else the source's own.
+fn written_as(path: &Path, source: &SourceInfo) -> Format {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    extension.and_then(Format::from_extension).unwrap_or(source.format)
 }

@@ -3,8 +3,8 @@
 use super::{
     ByAxis,
     hierarchy::{Hierarchy, RawJoint},
-    lexer::{Lexer, Word},
 };
+use crate::lexer::{Lexer, Word};
 use crate::{Axis, Channel, FormatError, Limits};
 use inkrig_motion::glam::DVec3;
 

@@ -5,12 +5,9 @@
 //! caller says z; lengths have no unit.
 
 mod channel;
-mod euler;
 mod hierarchy;
 mod hierarchy_parser;
-mod lexer;
 mod motion;
-mod numbers;
 mod outline;
 mod rows;
 mod write;
@@ -18,18 +15,15 @@ mod write;
 pub use write::write_bvh;
 
 use crate::{
-    Evidence, Finding, Format, FormatError, Import, ImportOptions, Place, SourceInfo, finding, unit,
+    Evidence, Finding, Format, FormatError, Import, ImportOptions, Place, SourceInfo, finding, lexer::Lexer,
+    unit,
 };
 use hierarchy::Hierarchy;
 use inkrig_motion::{Clip, Joint, Skeleton, glam::DVec3};
-use lexer::Lexer;
 use std::{collections::HashSet, sync::Arc};
 
 /// Frame times that a BVH may have, seconds. Outside of it a file is taken for broken.
 const FRAME_TIMES: std::ops::RangeInclusive<f64> = 1e-5..=10.0;
-
-/// Numbers are taken for broken beyond this, in the file's own units.
-const LARGEST_NUMBER: f64 = 1e12;
 
 /// Reads a BVH file.
 ///
@@ -68,12 +62,7 @@ pub fn read_bvh(bytes: &[u8], options: &ImportOptions) -> Result<Import, FormatE
 }
 
 fn check_bytes(bytes: &[u8], options: &ImportOptions) -> Result<(), FormatError> {
-    let limit = options.limits.bytes;
-    if bytes.len() > limit {
-        let what = format!("the file has {} bytes", bytes.len());
-        let hint = "cut it into shorter motions".into();
-        return Err(FormatError::Limit { what, limit, place: None, hint });
-    }
+    options.limits.check_bytes(bytes)?;
     if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
         return Err(FormatError::Read {
             code: "bvh-utf16",

@@ -3,9 +3,9 @@
 use super::{
     FRAME_TIMES,
     hierarchy::Hierarchy,
-    lexer::{Lexer, NotANumber, Word},
     rows::{Rows, Scale, shape},
 };
+use crate::lexer::{Lexer, NotANumber, Word};
 use crate::{Finding, FormatError, ImportOptions};
 use inkrig_motion::{TranslationTrack, glam::Quat};
 

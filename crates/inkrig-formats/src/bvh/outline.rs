@@ -1,6 +1,7 @@
 //! What a BVH of a clip consists of: the order of its joints and the channels of each.
 
-use super::{ByAxis, euler::EulerSolver};
+use super::ByAxis;
+use crate::euler::EulerSolver;
 use crate::{Axis, Channel, ExportOptions, Finding, finding::shown};
 use inkrig_motion::{Clip, Skeleton, glam::Vec3};
 

@@ -1,11 +1,11 @@
 //! The rows of a MOTION: one number for every channel, one row a frame.
 
-use super::{
-    ByAxis, euler,
-    hierarchy::Hierarchy,
+use super::{ByAxis, hierarchy::Hierarchy};
+use crate::{Channel, Finding, FormatError, UpAxis};
+use crate::{
+    euler,
     lexer::{Lexer, NotANumber, Word},
 };
-use crate::{Channel, Finding, FormatError, UpAxis};
 use inkrig_motion::{
     TranslationTrack,
     glam::{DQuat, DVec3, Quat, Vec3},

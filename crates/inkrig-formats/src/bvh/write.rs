@@ -1,12 +1,11 @@
 //! The BVH writer.
 
 use super::{
-    ByAxis, FRAME_TIMES, LARGEST_NUMBER,
-    euler::EulerSolver,
-    numbers::push_decimal,
+    ByAxis, FRAME_TIMES,
     outline::{Outline, Step},
 };
 use crate::{Channel, ExportOptions, Finding, FormatError, Limits, Written, finding::shown, import};
+use crate::{euler::EulerSolver, lexer::LARGEST_NUMBER, numbers::push_decimal};
 use inkrig_motion::{Clip, Joint, glam::Vec3};
 use std::io::Write;
 

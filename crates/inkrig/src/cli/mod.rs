@@ -86,6 +86,9 @@ pub struct ImportArgs {
     /// Frames a second of the file, where it says nothing usable or the wrong thing
     #[arg(long, value_name = "RATE", value_parser = numbers::source_fps, allow_negative_numbers = true, help_heading = "Reading")]
     pub source_fps: Option<f64>,
+    /// The skeleton file, for AMC (.asf) and DeepMimic motions; else the one that lies beside the motion
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Reading")]
+    pub skeleton: Option<PathBuf>,
 }
 
 /// Axes that can point up.

@@ -9,7 +9,7 @@ use inkrig_motion::glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::PI;
 
 /// Rotation about an axis by an angle in degrees, of any size.
-pub(super) fn rotation(axis: Axis, degrees: f64) -> DQuat {
+pub(crate) fn rotation(axis: Axis, degrees: f64) -> DQuat {
     // Taken modulo whole turns first: sine and cosine of large angles lose digits.
     let (sin, cos) = (0.5 * (degrees % 360.0).to_radians()).sin_cos();
     match axis {
@@ -24,7 +24,7 @@ const LOCKED: f64 = 1e-5;
 
 /// Finds the angles of one joint frame after frame.
 #[derive(Debug, Clone)]
-pub(super) struct EulerSolver {
+pub(crate) struct EulerSolver {
     axes: Vec<Axis>,
     used: Used,
     /// Angles of the frame before, radians, one an axis.
@@ -55,7 +55,7 @@ struct Triple {
 
 impl EulerSolver {
     /// For the rotation channels of a list, in order.
-    pub(super) fn new(channels: &[Channel]) -> Self {
+    pub(crate) fn new(channels: &[Channel]) -> Self {
         let axes: Vec<Axis> = (channels.iter())
             .filter_map(|channel| match channel {
                 Channel::Rotation(axis) => Some(*axis),
@@ -66,13 +66,13 @@ impl EulerSolver {
     }
 
     /// Whether the channels can express every rotation.
-    pub(super) fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         matches!(self.used, Used::Three(..))
     }
 
     /// Takes the next frame: its angles in degrees, one an axis, are then in [`Self::degrees`]. Returns by how much
     /// they miss the rotation, radians: nothing with three axes, something when there are too few.
-    pub(super) fn next(&mut self, rotation: DQuat) -> f64 {
+    pub(crate) fn next(&mut self, rotation: DQuat) -> f64 {
         let m = DMat3::from_quat(rotation);
         match self.used {
             Used::None => {}
@@ -92,7 +92,7 @@ impl EulerSolver {
     }
 
     /// The angles of the last frame taken, degrees, one a rotation channel.
-    pub(super) fn degrees(&self) -> impl Iterator<Item = f64> + '_ {
+    pub(crate) fn degrees(&self) -> impl Iterator<Item = f64> + '_ {
         self.angles.iter().map(|angle| angle.to_degrees())
     }
 

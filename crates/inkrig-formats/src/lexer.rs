@@ -1,11 +1,13 @@
-//! Words, lines and places in the text of a BVH.
+//! Words, lines and places in a text, for the formats that are one.
 
-use super::LARGEST_NUMBER;
 use crate::{FormatError, Place, finding::shown};
+
+/// Numbers are taken for broken beyond this, in the file's own units.
+pub(crate) const LARGEST_NUMBER: f64 = 1e12;
 
 /// A position in the text that knows its line. CR, LF and CRLF each end one line.
 #[derive(Debug, Clone)]
-pub(super) struct Lexer<'a> {
+pub(crate) struct Lexer<'a> {
     bytes: &'a [u8],
     at: usize,
     line: usize,
@@ -14,8 +16,8 @@ pub(super) struct Lexer<'a> {
 
 /// A piece of the text and where it stands.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Word<'a> {
-    pub(super) text: &'a [u8],
+pub(crate) struct Word<'a> {
+    pub(crate) text: &'a [u8],
     at: usize,
     line: usize,
     line_start: usize,
@@ -23,7 +25,7 @@ pub(super) struct Word<'a> {
 
 impl<'a> Lexer<'a> {
     /// Starts after a byte order mark. Zeros and the DOS end-of-file mark at the end are left out.
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
         let padding = |byte: &&u8| matches!(byte, 0 | 0x1a);
         let end = bytes.len() - bytes.iter().rev().take_while(padding).count();
         let at = if bytes.starts_with(b"\xef\xbb\xbf") { 3.min(end) } else { 0 };
@@ -31,17 +33,17 @@ impl<'a> Lexer<'a> {
     }
 
     /// Size of the whole text, bytes.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.bytes.len()
     }
 
     /// The text that is still ahead.
-    pub(super) fn rest(&self) -> &'a [u8] {
+    pub(crate) fn rest(&self) -> &'a [u8] {
         self.bytes.get(self.at..).unwrap_or_default()
     }
 
     /// Skips spaces and line ends; whether there is any text left.
-    pub(super) fn skip_space(&mut self) -> bool {
+    pub(crate) fn skip_space(&mut self) -> bool {
         while let Some(&byte) = self.bytes.get(self.at) {
             match byte {
                 b'\n' | b'\r' => self.end_line(byte),
@@ -53,7 +55,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// The next word on any line; a brace is a word of its own. Empty at the end of the text.
-    pub(super) fn word(&mut self) -> Word<'a> {
+    pub(crate) fn word(&mut self) -> Word<'a> {
         self.skip_space();
         let length = match self.bytes.get(self.at) {
             Some(b'{' | b'}') => 1,
@@ -63,12 +65,12 @@ impl<'a> Lexer<'a> {
     }
 
     /// The next word without moving.
-    pub(super) fn peek(&self) -> Word<'a> {
+    pub(crate) fn peek(&self) -> Word<'a> {
         self.clone().word()
     }
 
     /// The next run of anything but spaces on this line. Empty at its end.
-    pub(super) fn word_in_line(&mut self) -> Word<'a> {
+    pub(crate) fn word_in_line(&mut self) -> Word<'a> {
         let mut start = self.at;
         while self.bytes.get(start).is_some_and(|&byte| is_blank(byte)) {
             start += 1;
@@ -80,17 +82,17 @@ impl<'a> Lexer<'a> {
     }
 
     /// The rest of this line up to a `{`, without spaces at its ends.
-    pub(super) fn name(&mut self) -> Word<'a> {
+    pub(crate) fn name(&mut self) -> Word<'a> {
         self.line_until(|byte| matches!(byte, b'{' | b'\n' | b'\r'))
     }
 
     /// The rest of this line, without spaces at its ends.
-    pub(super) fn line(&mut self) -> Word<'a> {
+    pub(crate) fn line(&mut self) -> Word<'a> {
         self.line_until(|byte| matches!(byte, b'\n' | b'\r'))
     }
 
     /// The place of a word, in or beside a joint.
-    pub(super) fn place(&self, word: &Word<'_>, joint: Option<&str>) -> Place {
+    pub(crate) fn place(&self, word: &Word<'_>, joint: Option<&str>) -> Place {
         let before = self.bytes.get(word.line_start..word.at).unwrap_or_default();
         // A UTF-8 character is one column: its later bytes do not count.
         let column = before.iter().filter(|&&byte| byte & 0xc0 != 0x80).count() + 1;
@@ -98,7 +100,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// An error at a word.
-    pub(super) fn error(
+    pub(crate) fn error(
         &self,
         code: &'static str,
         word: &Word<'_>,
@@ -110,7 +112,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// Whether a word is the very last thing in the text.
-    pub(super) fn is_last(&self, word: &Word<'_>) -> bool {
+    pub(crate) fn is_last(&self, word: &Word<'_>) -> bool {
         word.at + word.text.len() == self.bytes.len()
     }
 
@@ -144,7 +146,7 @@ impl<'a> Lexer<'a> {
 
 impl<'a> Word<'a> {
     /// What stands before and after the first colon, without spaces at its ends. Without a colon all stands before.
-    pub(super) fn split_at_colon(&self) -> (&'a [u8], Self) {
+    pub(crate) fn split_at_colon(&self) -> (&'a [u8], Self) {
         let colon = self.text.iter().position(|&byte| byte == b':').unwrap_or(self.text.len());
         let (key, after) = self.text.split_at_checked(colon).unwrap_or_default();
         let front = after.iter().take_while(|&&byte| byte == b':' || is_blank(byte)).count();
@@ -153,17 +155,17 @@ impl<'a> Word<'a> {
     }
 
     /// The word as shown in messages, where it is the value of a line.
-    pub(super) fn shown_value(&self) -> String {
+    pub(crate) fn shown_value(&self) -> String {
         if self.text.is_empty() { "nothing".into() } else { self.shown() }
     }
 
     /// Whether the word is a keyword, in upper or lower case.
-    pub(super) fn is(&self, keyword: &str) -> bool {
+    pub(crate) fn is(&self, keyword: &str) -> bool {
         self.text.eq_ignore_ascii_case(keyword.as_bytes())
     }
 
     /// The word as shown in messages.
-    pub(super) fn shown(&self) -> String {
+    pub(crate) fn shown(&self) -> String {
         if self.text.is_empty() {
             return "the end of the file".into();
         }
@@ -173,7 +175,7 @@ impl<'a> Word<'a> {
     }
 
     /// The word as a number.
-    pub(super) fn number(&self) -> Result<f64, NotANumber> {
+    pub(crate) fn number(&self) -> Result<f64, NotANumber> {
         let text = std::str::from_utf8(self.text).map_err(|_| NotANumber::Text)?;
         match text.parse::<f64>() {
             Ok(value) if value.abs() <= LARGEST_NUMBER => Ok(value),
@@ -193,7 +195,7 @@ impl<'a> Word<'a> {
 
 /// Why a word is not a usable number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum NotANumber {
+pub(crate) enum NotANumber {
     Text,
     Comma,
     Nan,
@@ -202,7 +204,7 @@ pub(super) enum NotANumber {
 }
 
 impl NotANumber {
-    pub(super) fn hint(self) -> &'static str {
+    pub(crate) fn hint(self) -> &'static str {
         match self {
             Self::Text => "write a decimal number, such as -12.5",
             Self::Comma => "write decimals with a point, and nothing but spaces between numbers",

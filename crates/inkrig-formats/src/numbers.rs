@@ -3,7 +3,7 @@
 use std::io::Write;
 
 /// Appends `value` with at most `decimals` decimals (0 to 12), without trailing zeros and without a negative zero.
-pub(super) fn push_decimal(out: &mut Vec<u8>, value: f64, decimals: u32) {
+pub(crate) fn push_decimal(out: &mut Vec<u8>, value: f64, decimals: u32) {
     let scaled = value * 10_f64.powi(decimals as i32);
     // Whole numbers of this size are exact in f64.
     if scaled.abs() < 9e15 {
