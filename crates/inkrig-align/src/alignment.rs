@@ -48,6 +48,17 @@ pub fn align(
     options: &Options,
     observer: Observer<'_>,
 ) -> Result<Alignment, AlignError> {
+    align_with(source, control, options, &mut Buffers::new(options.threads), observer)
+}
+
+/// As [`align`], with buffers that may hold a first plan, or be asked for others.
+pub(crate) fn align_with(
+    source: &Takes,
+    control: &Control,
+    options: &Options,
+    buffers: &mut Buffers,
+    observer: Observer<'_>,
+) -> Result<Alignment, AlignError> {
     options.validate()?;
     control.validate()?;
     let mut clock = Clock::start();
@@ -66,10 +77,10 @@ pub fn align(
 
     let reduced = pca::reduce(table(&features)?, pca::FEATURE_ENERGY, options.threads)?;
     clock.stage("principal subspace");
-    let mut buffers = Buffers::new(options.threads);
     let frames = Frames { table: reduced.frames.view(), layout: &columns };
     let drawing = Frames { table: drawn.view(), layout: &rows };
-    let matching = solve(frames, drawing, &keys, options, &mut buffers, observer)?;
+    buffers.first.measure = true;
+    let matching = solve(frames, drawing, &keys, options, buffers, observer)?;
     clock.stage("matching");
     let solve_seconds = clock.since("features");
 
@@ -91,6 +102,7 @@ pub fn align(
         freeze: quality.freeze,
         freeze_source: quality.freeze_source,
         loop_seam_ratio: quality.loop_seam_ratio,
+        mirror_symmetry: buffers.first.symmetry.take().unwrap_or(0.0),
         gradients: matching.gradients,
         solve_seconds,
         total_seconds: clock.total(),

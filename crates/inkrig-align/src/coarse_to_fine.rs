@@ -2,6 +2,7 @@
 //! matching and blending at every level, each starting from the motion of the level before.
 
 use crate::blend::{Window, frame_weights};
+use crate::explain::FirstPlans;
 use crate::keys::Keys;
 use crate::level::Level;
 use crate::patches::PatchScratch;
@@ -23,6 +24,7 @@ pub struct Buffers {
     pub(crate) coarser: Mat<f32>,
     pub(crate) cost: Mat<f32>,
     pub(crate) weights: Mat<f32>,
+    pub(crate) first: FirstPlans,
 }
 
 impl Buffers {
@@ -35,6 +37,7 @@ impl Buffers {
             coarser: Mat::default(),
             cost: Mat::default(),
             weights: Mat::default(),
+            first: FirstPlans::default(),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::blend::{Window, frame_weights};
 use crate::coarse_to_fine::Buffers;
+use crate::explain::{Reflection, mirrored, others};
 use crate::keys::{Keys, LevelKeys};
 use crate::patches::patch_distances;
 use crate::prepared::{LevelTable, Prepared};
@@ -50,7 +51,21 @@ impl<'a> Level<'a> {
     ) -> Result<usize, AlignError> {
         let bias = self.bias(1.0);
         let problem = self.problem(&self.control.distances, None, bias.as_ref(), 1.0, options)?;
-        let gradients = first_plan(&problem, options, &mut b.transport, tell)?;
+        let mut gradients = 0;
+        if b.first.measure {
+            b.first.symmetry = Some(Reflection::symmetry(&self.control.distances));
+        }
+        if let Some(plan) = b.first.given.take() {
+            b.transport.resume(&plan);
+        } else {
+            gradients += first_plan(&problem, options, &mut b.transport, tell)?;
+            if options.mirror {
+                gradients += mirrored(self, &problem, options, b)?;
+            }
+            if b.first.wanted > 0 {
+                others(self, &problem, options, b)?;
+            }
+        }
         self.blend(b.transport.plan().dense(), &mut b.weights, &mut b.blended, options.threads)?;
         Ok(gradients)
     }

@@ -68,6 +68,9 @@ pub struct Options {
     pub travel: VelocityFrame,
     /// Poses that shall, or shall not, appear.
     pub keys: Vec<Key>,
+    /// Begin with the mirror image of the first plan: what the control has alike on two sides (the rising and the falling
+    /// slopes of a wave, two halves of a figure) changes places. Nothing happens where it has no such sides.
+    pub mirror: bool,
     /// Every seed scouts starts of its own, so another may find another of the equally good solutions.
     pub seed: u64,
     /// Threads to work with, at least 1. The result does not depend on it.
@@ -95,6 +98,7 @@ impl Default for Options {
             features: FeatureOptions::default(),
             travel: VelocityFrame::default(),
             keys: Vec::new(),
+            mirror: false,
             seed: 0,
             threads: std::thread::available_parallelism().map_or(1, |count| count.get().min(16)),
         }

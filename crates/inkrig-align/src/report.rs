@@ -30,6 +30,10 @@ pub struct Report {
     /// For a loop: the step from the last pose to the first over the median step. 1 cannot be told from any other step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loop_seam_ratio: Option<f64>,
+    /// How nearly the control is a mirror image of itself, 0..=1. Above [`AMBIGUOUS`] there is another solution about as
+    /// good, in which what is alike on both sides has changed places: [`Options::mirror`](crate::Options::mirror),
+    /// [`alternatives`](crate::alternatives).
+    pub mirror_symmetry: f64,
     /// Solver gradients taken.
     pub gradients: usize,
     /// Wall seconds from features ready to final features: distances, all levels, polish.
@@ -53,6 +57,9 @@ pub struct Report {
     /// One row a level.
     pub levels: Vec<LevelRow>,
 }
+
+/// Controls with a [`Report::mirror_symmetry`] of this or more are ambiguous.
+pub const AMBIGUOUS: f64 = 0.85;
 
 impl Report {
     /// The part of it that any motion can be measured by: see [`Comparison`](crate::Comparison).

@@ -11,7 +11,9 @@ const POINT_ROUNDS: usize = 40;
 
 /// Places n points by their distances (n x n, symmetric).
 pub(super) fn place(distances: &Mat<f32>) -> Vec<[f64; 2]> {
-    let mut points = majorise(distances, classical(distances));
+    let axes = principal_axes(distances, 2, POWER_ROUNDS);
+    let points = axes[0].iter().zip(&axes[1]).map(|(&x, &y)| [x, y]).collect();
+    let mut points = majorise(distances, points);
     to_principal_axes(&mut points);
     points
 }
@@ -43,8 +45,9 @@ pub(super) fn stress(points: &[[f64; 2]], distances: &Mat<f32>) -> f64 {
     if all > 0.0 { (errors / all).sqrt() } else { 0.0 }
 }
 
-/// The two directions in which the points differ most, from their doubly centred squared distances.
-fn classical(distances: &Mat<f32>) -> Vec<[f64; 2]> {
+/// Coordinates along the `count` directions in which the points differ most, from their doubly centred squared distances
+/// (Torgerson): one vector of n a direction, widest first; zeros where there are no more.
+pub(crate) fn principal_axes(distances: &Mat<f32>, count: usize, rounds: usize) -> Vec<Vec<f64>> {
     let n = distances.rows();
     let squared = |i: usize, j: usize| f64::from(distances.row(i)[j]).powi(2);
     let means: Vec<f64> = (0..n).map(|i| (0..n).map(|j| squared(i, j)).sum::<f64>() / n as f64).collect();
@@ -55,11 +58,11 @@ fn classical(distances: &Mat<f32>) -> Vec<[f64; 2]> {
         table.chunks_exact(n.max(1)).map(|row| row.iter().zip(vector).map(|(a, b)| a * b).sum()).collect()
     };
     let mut axes: Vec<Vec<f64>> = Vec::new();
-    for axis in 0..2 {
+    for axis in 0..count {
         // Any start that is not at right angles to the axis will do; the same for every clip.
         let mut vector: Vec<f64> = (0..n).map(|i| ((i + 1) as f64 * (1.7 + axis as f64)).sin()).collect();
         let mut size = 0.0;
-        for _ in 0..POWER_ROUNDS {
+        for _ in 0..rounds {
             for other in &axes {
                 let (along, own) = (dot(&vector, other), dot(other, other));
                 let part = if own > 0.0 { along / own } else { 0.0 };
@@ -74,7 +77,7 @@ fn classical(distances: &Mat<f32>) -> Vec<[f64; 2]> {
         let root = size.sqrt().max(f64::MIN_POSITIVE);
         axes.push(vector.into_iter().map(|value| value / root).collect());
     }
-    (0..n).map(|i| [axes[0][i], axes[1][i]]).collect()
+    axes
 }
 
 /// Moves every point to the mean of where all others would have it, again and again: the stress never grows (de Leeuw).

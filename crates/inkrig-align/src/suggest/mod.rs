@@ -7,7 +7,10 @@ mod candidates;
 mod embedding;
 mod map;
 mod moments;
+mod on_map;
 
 pub use candidates::{Candidate, candidates};
+pub(crate) use embedding::principal_axes;
 pub use map::{MapFrame, MotionMap};
 pub use moments::{Moment, Moments};
+pub use on_map::keys_on_map;

@@ -102,6 +102,11 @@ impl Moments {
         Ok(out.into_vec())
     }
 
+    /// 1 over the mean distance of the clip's moments.
+    pub(crate) fn scale(&self) -> f64 {
+        f64::from(self.scale)
+    }
+
     /// At most `most` patches, evenly spread over the clip.
     pub(super) fn spread(&self, most: usize) -> Vec<usize> {
         let (count, all) = (most.clamp(1, self.count()), self.count());
