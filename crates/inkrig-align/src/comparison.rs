@@ -2,7 +2,8 @@
 
 use crate::alignment::{at_rate, check_lengths, without_lead_ins};
 use crate::blend::{Window, frame_weights};
-use crate::patches::{PatchScratch, normalised_self_distances};
+use crate::patches::{PatchScratch, normalised_self_distances, patch_distances};
+use crate::quality::{centred, column_means, result_frames};
 use crate::reconstruct::{Ends, blend_clip};
 use crate::{AlignError, Control, Layout, Norm, Options, Quality};
 use inkrig_motion::{Clip, FeatureLayout, Features, Takes};
@@ -83,6 +84,25 @@ impl Comparison {
         Ok([control, source])
     }
 
+    /// Distances between the patches of a motion of that character, one row for each of the control's, and those of the
+    /// clip, in mean distances of the clip's own.
+    ///
+    /// # Errors
+    /// As for [`Self::measure`].
+    pub fn cost(&self, result: &Clip) -> Result<Mat<f32>, AlignError> {
+        self.check_character(result)?;
+        let means = column_means(&self.features);
+        let own = result_frames(result, &self.layout, &self.rows, &means, &self.options)?;
+        let frames = centred(&self.features, &means);
+        let frames = (frames.view(), &self.columns);
+        let (mut scratch, threads, mut out) = (PatchScratch::new(), self.options.threads, Mat::default());
+        let scale =
+            normalised_self_distances(frames.0, frames.1, Norm::Mean, &mut scratch, &mut out, threads)?
+                .ok_or(AlignError::StillClip)?;
+        patch_distances((own.view(), &self.rows), frames, scale, &mut scratch, &mut out, threads)?;
+        Ok(out)
+    }
+
     /// The clip that a plan between patches makes: rows of mass 1/N, blended as align blends its own.
     ///
     /// # Errors
@@ -110,10 +130,15 @@ impl Comparison {
     /// # Errors
     /// When it is of another skeleton, or nothing moves in the clip or the control.
     pub fn measure(&self, result: &Clip) -> Result<Quality, AlignError> {
-        // Refuses another skeleton and says what differs.
-        Takes::join(&[self.source.clip().clone(), result.clone()])?;
+        self.check_character(result)?;
         let (control, source) = ((&self.control, &self.rows), (&self.features, &self.columns));
         Quality::of(&self.source, result, &self.layout, source, control, &self.options)
+    }
+
+    fn check_character(&self, result: &Clip) -> Result<(), AlignError> {
+        // Refuses another skeleton and says what differs.
+        Takes::join(&[self.source.clip().clone(), result.clone()])?;
+        Ok(())
     }
 }
 
@@ -161,6 +186,9 @@ mod tests {
         let quality = comparison.measure(takes.clip()).unwrap();
         assert!(quality.nearest_patch < 1e-2 && quality.coverage > 0.99, "{quality:?}");
         assert!((quality.structure_pearson - quality.structure_pearson_warp).abs() < 1e-3);
+        let cost = comparison.cost(takes.clip()).unwrap();
+        let [_, source] = comparison.distances().unwrap();
+        assert!((0..100).all(|i| (cost.row(i)[50] - source.row(i)[50]).abs() < 2e-2));
         assert!((quality.jump_q999_ratio - 1.0).abs() < 1e-6);
         assert!(comparison.clip_of_weights(&Mat::zeros(3, 4)).unwrap_err().to_string().contains("3 x 4"));
     }

@@ -63,12 +63,7 @@ impl Quality {
         let scale =
             normalised_self_distances(frames.0, columns, Norm::Mean, &mut scratch, &mut of_source, threads)?
                 .ok_or(AlignError::StillClip)?;
-        // The result at the matching rate, one frame a control sample.
-        let step = frames_per_sample(result.frame_rate(), options.matching_rate);
-        let places: Vec<f64> = (0..rows.frames()).map(|sample| sample as f64 * step).collect();
-        let matched = time::sample_at(result, &places, options.matching_rate)?;
-        let mut own = centred(&layout.features(&matched.into()), &means);
-        close_loop(rows, &mut own);
+        let own = result_frames(result, layout, rows, &means, options)?;
         let own = (own.view(), rows);
         patch_distances(own, own, scale, &mut scratch, &mut of_result, threads)?;
         patch_distances(own, frames, scale, &mut scratch, &mut cross, threads)?;
@@ -100,7 +95,23 @@ impl Quality {
     }
 }
 
-fn column_means(features: &Features) -> Vec<f32> {
+/// The frames of a result at the matching rate, one a control sample, less the source's means.
+pub(crate) fn result_frames(
+    result: &Clip,
+    layout: &FeatureLayout,
+    rows: &Layout,
+    means: &[f32],
+    options: &Options,
+) -> Result<Mat<f32>, AlignError> {
+    let step = frames_per_sample(result.frame_rate(), options.matching_rate);
+    let places: Vec<f64> = (0..rows.frames()).map(|sample| sample as f64 * step).collect();
+    let matched = time::sample_at(result, &places, options.matching_rate)?;
+    let mut own = centred(&layout.features(&matched.into()), means);
+    close_loop(rows, &mut own);
+    Ok(own)
+}
+
+pub(crate) fn column_means(features: &Features) -> Vec<f32> {
     let mut sums = vec![0.0_f64; features.width()];
     for frame in 0..features.frames() {
         sums.iter_mut().zip(features.row(frame)).for_each(|(sum, &value)| *sum += f64::from(value));
@@ -108,7 +119,7 @@ fn column_means(features: &Features) -> Vec<f32> {
     sums.into_iter().map(|sum| (sum / features.frames() as f64) as f32).collect()
 }
 
-fn centred(features: &Features, means: &[f32]) -> Mat<f32> {
+pub(crate) fn centred(features: &Features, means: &[f32]) -> Mat<f32> {
     Mat::from_fn(features.frames(), features.width(), |row, column| features.row(row)[column] - means[column])
 }
 
