@@ -1,7 +1,8 @@
 //! The formats by name, so that a caller need not know which module reads what.
 
 use crate::{
-    ExportOptions, FormatError, Import, ImportOptions, Written, read_amc, read_bvh, read_deepmimic, write_bvh,
+    ExportOptions, FormatError, Import, ImportOptions, Written, read_amc, read_bvh, read_deepmimic,
+    write_bvh, write_usda,
 };
 use inkrig_motion::Clip;
 
@@ -15,6 +16,8 @@ pub enum Format {
     Amc,
     /// A motion of the DeepMimic project, JSON in a `.txt`: needs the file of its character. Read only.
     DeepMimic,
+    /// USD as text, a skeleton with its animation. Write only.
+    Usda,
 }
 
 impl Format {
@@ -25,6 +28,7 @@ impl Format {
             "bvh" => Some(Self::Bvh),
             "amc" => Some(Self::Amc),
             "txt" | "json" => Some(Self::DeepMimic),
+            "usda" => Some(Self::Usda),
             _ => None,
         }
     }
@@ -35,6 +39,7 @@ impl Format {
             Self::Bvh => "bvh",
             Self::Amc => "amc",
             Self::DeepMimic => "txt",
+            Self::Usda => "usda",
         }
     }
 
@@ -44,6 +49,7 @@ impl Format {
             Self::Bvh => "BVH",
             Self::Amc => "AMC",
             Self::DeepMimic => "DeepMimic",
+            Self::Usda => "USD",
         }
     }
 }
@@ -57,16 +63,21 @@ pub fn read_motion(bytes: &[u8], format: Format, options: &ImportOptions) -> Res
         Format::Bvh => read_bvh(bytes, options),
         Format::Amc => read_amc(bytes, options),
         Format::DeepMimic => read_deepmimic(bytes, options),
+        Format::Usda => Err(FormatError::Options {
+            what: "inkrig writes USD, but does not read it".into(),
+            hint: "export the motion as BVH".into(),
+        }),
     }
 }
 
 /// Writes a motion in a known format.
 ///
 /// # Errors
-/// What the format's own writer says: see [`write_bvh`].
+/// What the format's own writer says: see [`write_bvh`], [`write_usda`]. Not every format can be written.
 pub fn write_motion(clip: &Clip, format: Format, options: &ExportOptions) -> Result<Written, FormatError> {
     match format {
         Format::Bvh => write_bvh(clip, options),
+        Format::Usda => write_usda(clip, options),
         Format::Amc | Format::DeepMimic => Err(FormatError::Write {
             what: format!("inkrig does not write {} files", format.name()),
             hint: "write a .bvh instead".into(),

@@ -33,6 +33,7 @@ mod lexer;
 mod limits;
 mod numbers;
 mod unit;
+mod usda;
 
 pub use asf_amc::read_amc;
 pub use bvh::{read_bvh, write_bvh};
@@ -44,3 +45,4 @@ pub use format::{Format, read_motion, write_motion};
 pub use import::{Axis, Channel, Evidence, Import, ImportOptions, SourceInfo, UpAxis};
 pub use limits::Limits;
 pub use unit::guess_metres_per_unit;
+pub use usda::write_usda;
