@@ -90,16 +90,23 @@ impl Comparison {
     /// # Errors
     /// As for [`Self::measure`].
     pub fn cost(&self, result: &Clip) -> Result<Mat<f32>, AlignError> {
-        self.check_character(result)?;
-        let means = column_means(&self.features);
-        let own = result_frames(result, &self.layout, &self.rows, &means, &self.options)?;
-        let frames = centred(&self.features, &means);
-        let frames = (frames.view(), &self.columns);
+        let (own, frames, scale) = self.tables(result)?;
         let (mut scratch, threads, mut out) = (PatchScratch::new(), self.options.threads, Mat::default());
-        let scale =
-            normalised_self_distances(frames.0, frames.1, Norm::Mean, &mut scratch, &mut out, threads)?
-                .ok_or(AlignError::StillClip)?;
-        patch_distances((own.view(), &self.rows), frames, scale, &mut scratch, &mut out, threads)?;
+        let (own, frames) = ((own.view(), &self.rows), (frames.view(), &self.columns));
+        patch_distances(own, frames, scale, &mut scratch, &mut out, threads)?;
+        Ok(out)
+    }
+
+    /// Distances within the patches of a motion of that character, in mean distances of the clip's own: to be looked at
+    /// beside those of the control.
+    ///
+    /// # Errors
+    /// As for [`Self::measure`].
+    pub fn distances_within(&self, result: &Clip) -> Result<Mat<f32>, AlignError> {
+        let (own, _, scale) = self.tables(result)?;
+        let (mut scratch, threads, mut out) = (PatchScratch::new(), self.options.threads, Mat::default());
+        let own = (own.view(), &self.rows);
+        patch_distances(own, own, scale, &mut scratch, &mut out, threads)?;
         Ok(out)
     }
 
@@ -133,6 +140,20 @@ impl Comparison {
         self.check_character(result)?;
         let (control, source) = ((&self.control, &self.rows), (&self.features, &self.columns));
         Quality::of(&self.source, result, &self.layout, source, control, &self.options)
+    }
+
+    /// The frames of a result and of the clip, both less the clip's means, and one over the clip's mean distance.
+    fn tables(&self, result: &Clip) -> Result<(Mat<f32>, Mat<f32>, f32), AlignError> {
+        self.check_character(result)?;
+        let means = column_means(&self.features);
+        let own = result_frames(result, &self.layout, &self.rows, &means, &self.options)?;
+        let frames = centred(&self.features, &means);
+        let (mut scratch, mut out) = (PatchScratch::new(), Mat::default());
+        let (table, threads) = (frames.view(), self.options.threads);
+        let scale =
+            normalised_self_distances(table, &self.columns, Norm::Mean, &mut scratch, &mut out, threads)?
+                .ok_or(AlignError::StillClip)?;
+        Ok((own, frames, scale))
     }
 
     fn check_character(&self, result: &Clip) -> Result<(), AlignError> {
@@ -189,6 +210,8 @@ mod tests {
         let cost = comparison.cost(takes.clip()).unwrap();
         let [_, source] = comparison.distances().unwrap();
         assert!((0..100).all(|i| (cost.row(i)[50] - source.row(i)[50]).abs() < 2e-2));
+        let within = comparison.distances_within(takes.clip()).unwrap();
+        assert!((0..100).all(|i| (within.row(i)[50] - source.row(i)[50]).abs() < 2e-2));
         assert!((quality.jump_q999_ratio - 1.0).abs() < 1e-6);
         assert!(comparison.clip_of_weights(&Mat::zeros(3, 4)).unwrap_err().to_string().contains("3 x 4"));
     }

@@ -1,6 +1,7 @@
 //! What can be said to `inkrig bench`.
 
 use super::ImportArgs;
+use crate::bench::Parameter;
 use crate::numbers;
 use clap::{Args, Subcommand, ValueHint};
 use std::path::PathBuf;
@@ -12,7 +13,9 @@ Examples:
   inkrig bench align my-clips --markdown table.md
       the BVH files of a folder too, the table in a file
   inkrig bench align --case labels --case chirp
-      only cases with one of these words in their names";
+      only cases with one of these words in their names
+  inkrig bench align --sweep alpha,lambda --out sweep
+      what two parameters do, as a page with pictures";
 
 /// Arguments of `inkrig bench`.
 #[derive(Debug, Args)]
@@ -48,6 +51,12 @@ pub struct BenchAlignArgs {
     /// Another seed: other scouts, other random pieces
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
+    /// Try these parameters at several values instead: alpha, lambda, epsilon, levels
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "out")]
+    pub sweep: Vec<Parameter>,
+    /// A folder for the table as Markdown and JSON, or for the sweep's page and pictures; made if it is not there
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub out: Option<PathBuf>,
     /// Write the table as Markdown
     #[arg(long, value_name = "FILE.md", value_hint = ValueHint::FilePath)]
     pub markdown: Option<PathBuf>,

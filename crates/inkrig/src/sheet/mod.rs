@@ -82,5 +82,12 @@ pub fn contact_sheet(clip: &Clip, options: &SheetOptions<'_>) -> Result<Vec<u8>,
     paint::sheet(&scene, &grid, options)
 }
 
+/// The strokes of a number (digits and a point), its upper left corner at `corner`, `height` pixels high.
+pub(crate) fn number_path(number: &str, corner: [f32; 2], height: f32) -> Option<tiny_skia::Path> {
+    let mut path = tiny_skia::PathBuilder::new();
+    digits::add_text(&mut path, number, corner.into(), height);
+    path.finish()
+}
+
 /// The most pixels that a sheet may have: 134 MB while it is drawn.
 pub const MOST_PIXELS: u64 = 1 << 25;

@@ -53,3 +53,29 @@ fn a_case_that_is_not_there_is_answered_with_those_that_are() {
         !output.status.success() && complaint.contains("unicorn") && complaint.contains("eight to snake")
     );
 }
+
+#[test]
+fn a_sweep_has_a_page_a_picture_and_figures_of_every_value() {
+    let (_keep, folder) = desk();
+    let arguments = ["--case", "eight to snake", "--sweep", "alpha,levels", "--out", "new/sweep"];
+    let sweep = bench(&folder, &arguments);
+    let cells = |parameter: usize| sweep["parameters"][parameter]["cases"][0]["cells"].as_array().unwrap();
+    assert_eq!((cells(0).len(), cells(1).len()), (5, 5));
+    let figure = |cell: &Value, name: &str| cell[name].as_f64().unwrap();
+    // What alpha is for: less of it stays nearer to the clip, more of it follows the control.
+    let (least, most) = (&cells(0)[0], &cells(0)[4]);
+    assert!(figure(least, "nearest_patch") < figure(most, "nearest_patch"));
+    assert!(figure(least, "structure_pearson") < figure(most, "structure_pearson") + 0.02);
+    let read = |name: &str| std::fs::read(folder.join("new/sweep").join(name)).unwrap();
+    let page = text(&read("sweep.html"));
+    assert_eq!(page.matches("data:image/png;base64,").count(), 2 * (1 + 5 * 2));
+    assert_eq!(page.matches("class=\"own\"").count(), 2, "the default of either parameter is framed");
+    assert!(!page.contains("http"), "nothing is loaded from elsewhere");
+    assert!(read("sweep-alpha.png").starts_with(b"\x89PNG") && read("sweep-levels.png").len() > 5000);
+    assert_eq!(text(&read("sweep.md")).matches("| eight to snake |").count(), 10);
+    let again = inkrig(&folder, &[&["bench", "align"][..], &arguments].concat());
+    assert!(
+        !again.status.success() && text(&again.stderr).contains("--force"),
+        "nothing is replaced without leave"
+    );
+}
