@@ -20,6 +20,18 @@ pub enum FormatError {
         /// What to do.
         hint: String,
     },
+    /// A part of a file that is no text, or whose parts have names, is not as the format wants it.
+    #[error("{part}: {what}; {hint}")]
+    Part {
+        /// A short stable name, such as `gltf-accessor`.
+        code: &'static str,
+        /// Which part, such as ``node 3 `Hips` ``.
+        part: String,
+        /// What was found, and what was expected.
+        what: String,
+        /// What to do.
+        hint: String,
+    },
     /// The file asks for more than [`Limits`](crate::Limits) allow.
     #[error("{}{what}, more than the limit of {limit}; {hint}", before(.place.as_ref()))]
     Limit {
@@ -57,7 +69,7 @@ impl FormatError {
     /// A short stable name.
     pub fn code(&self) -> &'static str {
         match self {
-            Self::Read { code, .. } => code,
+            Self::Read { code, .. } | Self::Part { code, .. } => code,
             Self::Limit { .. } => "limit",
             Self::Options { .. } => "options",
             Self::Write { .. } => "write",
@@ -70,7 +82,7 @@ impl FormatError {
         match self {
             Self::Read { place, .. } => Some(place),
             Self::Limit { place, .. } => place.as_ref(),
-            Self::Options { .. } | Self::Write { .. } | Self::Motion(_) => None,
+            Self::Part { .. } | Self::Options { .. } | Self::Write { .. } | Self::Motion(_) => None,
         }
     }
 
@@ -86,6 +98,7 @@ impl FormatError {
     pub fn what(&self) -> String {
         match self {
             Self::Read { what, .. } | Self::Options { what, .. } | Self::Write { what, .. } => what.clone(),
+            Self::Part { part, what, .. } => format!("{part}: {what}"),
             Self::Limit { what, limit, .. } => format!("{what}, more than the limit of {limit}"),
             Self::Motion(error) => error.to_string(),
         }
@@ -95,7 +108,7 @@ impl FormatError {
     pub fn hint(&self) -> &str {
         match self {
             Self::Read { hint, .. } | Self::Limit { hint, .. } => hint,
-            Self::Options { hint, .. } | Self::Write { hint, .. } => hint,
+            Self::Options { hint, .. } | Self::Write { hint, .. } | Self::Part { hint, .. } => hint,
             Self::Motion(_) => "",
         }
     }

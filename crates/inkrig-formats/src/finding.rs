@@ -77,9 +77,14 @@ impl fmt::Display for Place {
 /// Text from a file made fit for a message: control characters replaced (they could steer a terminal), cut at 40
 /// characters.
 pub(crate) fn shown(text: &str) -> String {
+    clean(text, 40)
+}
+
+/// As [`shown`], cut at `most` characters.
+pub(crate) fn clean(text: &str, most: usize) -> String {
     let clean = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
-    let mut short: String = text.chars().take(40).map(clean).collect();
-    if text.chars().nth(40).is_some() {
+    let mut short: String = text.chars().take(most).map(clean).collect();
+    if text.chars().nth(most).is_some() {
         short.push('…');
     }
     short

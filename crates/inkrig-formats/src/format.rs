@@ -1,8 +1,8 @@
 //! The formats by name, so that a caller need not know which module reads what.
 
 use crate::{
-    ExportOptions, FormatError, Import, ImportOptions, Written, read_amc, read_bvh, read_deepmimic,
-    write_bvh, write_usda,
+    ExportOptions, FileSource, FormatError, Import, ImportOptions, Written, read_amc, read_bvh,
+    read_deepmimic, read_gltf, write_bvh, write_usda,
 };
 use inkrig_motion::Clip;
 
@@ -18,6 +18,14 @@ pub enum Format {
     DeepMimic,
     /// USD as text, a skeleton with its animation. Write only.
     Usda,
+    /// glTF 2.0 in one binary file.
+    Glb,
+    /// glTF 2.0 as text, with data inside or beside it.
+    Gltf,
+    /// A person as a GLB whose bones are known by name.
+    Vrm,
+    /// A motion for such persons.
+    Vrma,
 }
 
 impl Format {
@@ -29,6 +37,10 @@ impl Format {
             "amc" => Some(Self::Amc),
             "txt" | "json" => Some(Self::DeepMimic),
             "usda" => Some(Self::Usda),
+            "glb" => Some(Self::Glb),
+            "gltf" => Some(Self::Gltf),
+            "vrm" => Some(Self::Vrm),
+            "vrma" => Some(Self::Vrma),
             _ => None,
         }
     }
@@ -40,6 +52,10 @@ impl Format {
             Self::Amc => "amc",
             Self::DeepMimic => "txt",
             Self::Usda => "usda",
+            Self::Glb => "glb",
+            Self::Gltf => "gltf",
+            Self::Vrm => "vrm",
+            Self::Vrma => "vrma",
         }
     }
 
@@ -50,15 +66,25 @@ impl Format {
             Self::Amc => "AMC",
             Self::DeepMimic => "DeepMimic",
             Self::Usda => "USD",
+            Self::Glb => "GLB",
+            Self::Gltf => "glTF",
+            Self::Vrm => "VRM",
+            Self::Vrma => "VRMA",
         }
     }
 }
 
-/// Reads a motion in a known format.
+/// Reads a motion in a known format. `files` is asked for what lies beside the file, in the one format that spreads
+/// over several (.gltf); [`no_files`](crate::no_files) has none.
 ///
 /// # Errors
-/// What the format's own reader says: see [`read_bvh`], [`read_amc`], [`read_deepmimic`].
-pub fn read_motion(bytes: &[u8], format: Format, options: &ImportOptions) -> Result<Import, FormatError> {
+/// What the format's own reader says: see [`read_bvh`], [`read_amc`], [`read_deepmimic`], [`read_gltf`].
+pub fn read_motion(
+    bytes: &[u8],
+    format: Format,
+    options: &ImportOptions,
+    files: FileSource<'_>,
+) -> Result<Import, FormatError> {
     match format {
         Format::Bvh => read_bvh(bytes, options),
         Format::Amc => read_amc(bytes, options),
@@ -67,6 +93,7 @@ pub fn read_motion(bytes: &[u8], format: Format, options: &ImportOptions) -> Res
             what: "inkrig writes USD, but does not read it".into(),
             hint: "export the motion as BVH".into(),
         }),
+        Format::Glb | Format::Gltf | Format::Vrm | Format::Vrma => read_gltf(bytes, options, files),
     }
 }
 
@@ -81,6 +108,10 @@ pub fn write_motion(clip: &Clip, format: Format, options: &ExportOptions) -> Res
         Format::Amc | Format::DeepMimic => Err(FormatError::Write {
             what: format!("inkrig does not write {} files", format.name()),
             hint: "write a .bvh instead".into(),
+        }),
+        Format::Glb | Format::Gltf | Format::Vrm | Format::Vrma => Err(FormatError::Write {
+            what: format!("{} is not written yet", format.name()),
+            hint: "write a BVH".into(),
         }),
     }
 }

@@ -1,6 +1,6 @@
 //! What comes out of a file, and how it was understood.
 
-use crate::{Finding, Format, FormatError, Limits};
+use crate::{Finding, Format, FormatError, HumanBone, Limits};
 use inkrig_motion::{
     Clip,
     glam::{DQuat, DVec3},
@@ -13,8 +13,31 @@ pub struct Import {
     pub clip: Clip,
     /// How the file said it, so that it can be written the same way.
     pub source: SourceInfo,
+    /// All clips of a file that names them, in its order; empty for formats of one clip.
+    pub clips: Vec<ClipInfo>,
+    /// Which of [`Self::clips`] was read.
+    pub clip_index: Option<usize>,
     /// What there is to know about the file.
     pub findings: Vec<Finding>,
+}
+
+/// One of the clips of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClipInfo {
+    /// Its name; `clip_` and its number when it has none. Names may repeat.
+    pub name: String,
+    /// How many properties of joints and other things it moves.
+    pub channels: usize,
+}
+
+/// Which clip of a file to read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ClipChoice {
+    /// By name. When there is none of exactly this name, case does not matter; then neither does a prefix that ends
+    /// with `|`.
+    Name(String),
+    /// By its place in the file, from 1.
+    Number(usize),
 }
 
 /// How to read a file. The default asks the file, and guesses what the file does not say.
@@ -24,10 +47,12 @@ pub struct ImportOptions {
     pub metres_per_unit: Option<f64>,
     /// The axis that points up in the file; overrides the file and the format's custom.
     pub up: Option<UpAxis>,
-    /// Frames a second; overrides what the file says.
+    /// Frames a second; overrides what the file says. A format whose keys have times is sampled at this rate instead.
     pub frame_rate: Option<f64>,
     /// The skeleton file, for formats that keep it apart from the motion: ASF for AMC, a character for DeepMimic.
     pub skeleton: Option<Vec<u8>>,
+    /// Which clip of a file that has several. Default: the first. Formats of one clip do not look at it.
+    pub clip: Option<ClipChoice>,
     /// How much the file may ask for.
     pub limits: Limits,
 }
@@ -50,6 +75,9 @@ pub struct SourceInfo {
     pub channels: Vec<Vec<Channel>>,
     /// Seconds from frame to frame, exactly as read; `None` when the file holds no usable value.
     pub frame_time: Option<f64>,
+    /// Which joints are which bones of a person, where the file says it (VRM, VRMA), in the order of
+    /// [`HUMAN_BONES`](crate::HUMAN_BONES).
+    pub humanoid: Vec<HumanBone>,
 }
 
 /// How a property of a file is known.
@@ -125,6 +153,13 @@ impl UpAxis {
     /// The inverse of [`Self::clip_from_file_rotation`].
     pub(crate) fn file_from_clip_rotation(self, q: DQuat) -> DQuat {
         quat(self.file_from_clip(q.xyz()), q.w)
+    }
+}
+
+impl Import {
+    /// Of a format that holds one clip a file.
+    pub(crate) fn new(clip: Clip, source: SourceInfo, findings: Vec<Finding>) -> Self {
+        Self { clip, source, clips: Vec::new(), clip_index: None, findings }
     }
 }
 

@@ -156,6 +156,7 @@ fn check(text: &[u8], flags: u8) -> bool {
         up: (flags & 2 != 0).then_some(UpAxis::Z),
         frame_rate: (flags & 4 != 0).then_some(24.0),
         skeleton: None,
+        clip: None,
         limits: Limits { joints: 200, ..Limits::default() },
     };
     let first = match read_bvh(text, &options) {

@@ -4,7 +4,9 @@ use crate::cli::{ImportArgs, Up};
 use crate::companion;
 use crate::error::CliError;
 use crate::printable;
-use inkrig_formats::{Finding, Format, Import, ImportOptions, Severity, UpAxis, read_motion};
+use inkrig_formats::{
+    ClipChoice, Finding, Format, Import, ImportOptions, Severity, UpAxis, read_in_folder, read_motion,
+};
 use inkrig_sketch::{Curve, read_curve};
 use inkrig_sound::Sound;
 use std::fs::File;
@@ -16,7 +18,8 @@ use std::path::Path;
 /// # Errors
 /// When it is not there, too large, of an unknown kind, or not understood.
 pub fn motion(path: &Path, args: &ImportArgs) -> Result<Import, CliError> {
-    let known = "known motion files: .bvh, .amc (with its .asf), DeepMimic's .txt or .json";
+    let known =
+        "known motion files: .bvh, .glb, .gltf, .vrm, .vrma, .amc (with its .asf), DeepMimic's .txt or .json";
     let format = extension(path)
         .and_then(|extension| Format::from_extension(&extension))
         .ok_or_else(|| CliError::Kind { path: path.to_path_buf(), known })?;
@@ -33,11 +36,20 @@ pub fn motion(path: &Path, args: &ImportArgs) -> Result<Import, CliError> {
         }),
         frame_rate: args.source_fps,
         skeleton: companion.map(|path| bytes(&path, most)).transpose()?,
+        clip: args.clip.as_deref().map(clip_choice),
         ..ImportOptions::default()
     };
     let bytes = bytes(path, options.limits.bytes)?;
-    read_motion(&bytes, format, &options)
+    // A .gltf may name files beside it.
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let files = |name: &str, most: usize| read_in_folder(folder, name, most);
+    read_motion(&bytes, format, &options, &files)
         .map_err(|error| CliError::Format { path: path.to_path_buf(), cause: Box::new(error) })
+}
+
+/// A number counts the clips of a file from 1; anything else is a name.
+fn clip_choice(text: &str) -> ClipChoice {
+    text.parse().map_or_else(|_| ClipChoice::Name(text.into()), ClipChoice::Number)
 }
 
 /// Reads a drawn curve.

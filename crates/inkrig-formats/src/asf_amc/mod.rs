@@ -64,8 +64,9 @@ pub fn read_amc(bytes: &[u8], options: &ImportOptions) -> Result<Import, FormatE
         up_evidence: if options.up.is_some() { Evidence::Given } else { Evidence::Assumed },
         channels: Vec::new(),
         frame_time: None,
+        humanoid: Vec::new(),
     };
-    Ok(Import { clip, source, findings })
+    Ok(Import::new(clip, source, findings))
 }
 
 /// From the file's units and axes to metres and y up.

@@ -57,8 +57,17 @@ pub fn read_bvh(bytes: &[u8], options: &ImportOptions) -> Result<Import, FormatE
     let clip = Clip::new(Arc::new(skeleton), motion.frame_rate, motion.rotations, motion.translations)?;
     let frame_time = motion.frame_time;
     let format = Format::Bvh;
-    let source = SourceInfo { format, metres_per_unit, unit_evidence, up, up_evidence, channels, frame_time };
-    Ok(Import { clip, source, findings })
+    let source = SourceInfo {
+        format,
+        metres_per_unit,
+        unit_evidence,
+        up,
+        up_evidence,
+        channels,
+        frame_time,
+        humanoid: Vec::new(),
+    };
+    Ok(Import::new(clip, source, findings))
 }
 
 fn check_bytes(bytes: &[u8], options: &ImportOptions) -> Result<(), FormatError> {

@@ -48,8 +48,9 @@ pub fn read_deepmimic(bytes: &[u8], options: &ImportOptions) -> Result<Import, F
         up_evidence: given(options.up.is_some()),
         channels: Vec::new(),
         frame_time: motion.frame_time,
+        humanoid: Vec::new(),
     };
-    Ok(Import { clip, source, findings })
+    Ok(Import::new(clip, source, findings))
 }
 
 /// From the file's units and axes to metres and y up.

@@ -1,6 +1,8 @@
 //! What the suites share: fixtures, reference files, comparing clips.
 #![allow(dead_code, reason = "each suite uses its part")]
 
+pub(crate) mod gltf;
+
 use inkrig_motion::{Clip, kinematics};
 use std::{
     collections::BTreeSet,

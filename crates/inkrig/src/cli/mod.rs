@@ -89,6 +89,9 @@ pub struct ImportArgs {
     /// The skeleton file, for AMC (.asf) and DeepMimic motions; else the one that lies beside the motion
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Reading")]
     pub skeleton: Option<PathBuf>,
+    /// Which clip of a file that has several, by name or number [default: the first]
+    #[arg(long, value_name = "CLIP", help_heading = "Reading")]
+    pub clip: Option<String>,
 }
 
 /// Axes that can point up.

@@ -11,6 +11,9 @@ use inkrig_motion::{Skeleton, lead_in, root::RootMotion};
 use serde::Serialize;
 use std::fmt::Write;
 
+/// Clips that are listed.
+const MOST_CLIPS: usize = 400;
+
 /// Joints that are drawn as a tree; a hostile file shall not flood the terminal.
 const MOST_JOINTS: usize = 400;
 
@@ -43,7 +46,14 @@ struct Facts {
     rest_pose_frames: usize,
     problems: Vec<String>,
     remarks: Vec<String>,
+    clips: Vec<ClipFacts>,
     skeleton: Vec<JointFacts>,
+}
+
+#[derive(Serialize)]
+struct ClipFacts {
+    name: String,
+    read: bool,
 }
 
 #[derive(Serialize)]
@@ -97,6 +107,12 @@ impl Facts {
             rest_pose_frames: lead_in::rest_pose_frames(clip),
             problems: findings(Severity::Warning),
             remarks: findings(Severity::Info),
+            clips: (import.clips.iter().enumerate())
+                .map(|(index, clip)| ClipFacts {
+                    name: clip.name.clone(),
+                    read: import.clip_index == Some(index),
+                })
+                .collect(),
             skeleton: (skeleton.joints().iter())
                 .map(|joint| JointFacts {
                     name: joint.name.clone(),
@@ -140,8 +156,23 @@ impl Facts {
         for problem in &self.problems {
             line("problem", printable::text(problem));
         }
+        text.push_str(&clips(&self.clips));
         text.trim_end().to_string()
     }
+}
+
+/// The clips by number, the one that the other lines are about marked.
+fn clips(clips: &[ClipFacts]) -> String {
+    let mut text = String::new();
+    for (index, clip) in clips.iter().enumerate().take(MOST_CLIPS) {
+        let heading = if index == 0 { "clips" } else { "" };
+        let read = if clip.read { "  <- read here" } else { "" };
+        let _ = writeln!(text, "  {heading:<12} {:>3}  {}{read}", index + 1, printable::text(&clip.name));
+    }
+    if clips.len() > MOST_CLIPS {
+        let _ = writeln!(text, "  {:<12} ... and {} more", "", clips.len() - MOST_CLIPS);
+    }
+    text
 }
 
 /// The joints as an indented tree.
