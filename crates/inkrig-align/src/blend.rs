@@ -2,7 +2,7 @@
 //! (MAMM Sec. 3.2.4, BlendPatches).
 
 use crate::Layout;
-use inkrig_transport::{Mat, MatRef, Real};
+use inkrig_transport::{Mat, MatRef, Real, for_rows};
 
 /// How much a patch says of each of its frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,22 +34,24 @@ pub fn frame_weights<T: Real>(
     (rows, columns): (&Layout, &Layout),
     window: Window,
     out: &mut Mat<T>,
+    threads: usize,
 ) {
-    let patch = rows.patch();
-    out.resize(rows.frames(), columns.frames());
-    for t in 0..out.rows() {
-        let patches = rows.covering(t);
-        let total: f64 = patches.iter().map(|&(_, offset)| window.weight(offset, patch)).sum();
-        let weights = out.row_mut(t);
-        for (i, offset) in patches {
-            let share = T::from_f64(window.weight(offset, patch) * plan.rows() as f64 / total);
-            for run in columns.runs() {
-                let from = run.frame + offset;
-                let masses = &plan.row(i)[run.patch..run.patch + run.count];
-                for (weight, &mass) in weights[from..from + run.count].iter_mut().zip(masses) {
-                    *weight += share * mass;
+    let (patch, width) = (rows.patch(), columns.frames());
+    out.resize(rows.frames(), width);
+    for_rows(threads, out.as_mut_slice(), width, &|first, block| {
+        for (i, weights) in block.chunks_exact_mut(width).enumerate() {
+            let patches = rows.covering(first + i);
+            let total: f64 = patches.iter().map(|&(_, offset)| window.weight(offset, patch)).sum();
+            for (i, offset) in patches {
+                let share = T::from_f64(window.weight(offset, patch) * plan.rows() as f64 / total);
+                for run in columns.runs() {
+                    let from = run.frame + offset;
+                    let masses = &plan.row(i)[run.patch..run.patch + run.count];
+                    for (weight, &mass) in weights[from..from + run.count].iter_mut().zip(masses) {
+                        *weight += share * mass;
+                    }
                 }
             }
         }
-    }
+    });
 }

@@ -11,7 +11,7 @@ pub use crate::prepared::{Frames, LevelTable, Prepared};
 use crate::progress::{self, Observer, Progress};
 use crate::pyramid::resample_frames;
 use crate::{AlignError, Options};
-use inkrig_transport::{Mat, Plan, Start, Workspace};
+use inkrig_transport::{Mat, Plan, Start, Workspace, with_threads};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -19,6 +19,7 @@ use std::time::Instant;
 #[derive(Debug)]
 pub struct Buffers {
     pub(crate) transport: Workspace<f32>,
+    pub(crate) scouts: Vec<Workspace<f32>>,
     pub(crate) scratch: PatchScratch<f32>,
     pub(crate) blended: Mat<f32>,
     pub(crate) coarser: Mat<f32>,
@@ -32,6 +33,7 @@ impl Buffers {
     pub fn new(threads: usize) -> Self {
         Self {
             transport: Workspace::new(threads),
+            scouts: Vec::new(),
             scratch: PatchScratch::new(),
             blended: Mat::default(),
             coarser: Mat::default(),
@@ -83,9 +85,11 @@ pub fn solve(
     buffers: &mut Buffers,
     observer: Observer<'_>,
 ) -> Result<Matching, AlignError> {
-    let source = Prepared::source(source, options)?;
-    let control = Prepared::control(control, options)?;
-    solve_prepared(&source, &control, keys, options, buffers, observer)
+    with_threads(options.threads, || {
+        let source = Prepared::source(source, options)?;
+        let control = Prepared::control(control, options)?;
+        solve_prepared(&source, &control, keys, options, buffers, observer)
+    })
 }
 
 /// As [`solve`], for sides that were prepared with the same options.
@@ -93,6 +97,17 @@ pub fn solve(
 /// # Errors
 /// As for [`solve`].
 pub fn solve_prepared(
+    source: &Prepared,
+    control: &Prepared,
+    keys: &Keys,
+    options: &Options,
+    buffers: &mut Buffers,
+    observer: Observer<'_>,
+) -> Result<Matching, AlignError> {
+    with_threads(options.threads, || solve_levels(source, control, keys, options, buffers, observer))
+}
+
+fn solve_levels(
     source: &Prepared,
     control: &Prepared,
     keys: &Keys,
@@ -139,7 +154,7 @@ pub fn solve_prepared(
     let plan = polish(&level, options, buffers, || {
         progress::report(observer, Progress { level: count, levels: count, done: total, total })
     })?;
-    frame_weights(plan.dense(), level.layouts(), Window::Hann, &mut buffers.weights);
+    frame_weights(plan.dense(), level.layouts(), Window::Hann, &mut buffers.weights, options.threads);
     Ok(Matching { plan, weights: std::mem::take(&mut buffers.weights), levels, gradients })
 }
 

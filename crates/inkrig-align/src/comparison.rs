@@ -117,7 +117,7 @@ impl Comparison {
     pub fn clip_of_plan(&self, plan: MatRef<'_, f32>) -> Result<Clip, AlignError> {
         checked("plan", plan, [self.rows.patches(), self.columns.patches()])?;
         let mut weights = Mat::default();
-        frame_weights(plan, (&self.rows, &self.columns), Window::Hann, &mut weights);
+        frame_weights(plan, (&self.rows, &self.columns), Window::Hann, &mut weights, self.options.threads);
         self.clip_of_weights(&weights)
     }
 

@@ -58,7 +58,7 @@ impl<'a> Level<'a> {
         if let Some(plan) = b.first.given.take() {
             b.transport.resume(&plan);
         } else {
-            gradients += first_plan(&problem, options, &mut b.transport, tell)?;
+            gradients += first_plan(&problem, options, b, tell)?;
             if options.mirror {
                 gradients += mirrored(self, &problem, options, b)?;
             }
@@ -106,7 +106,7 @@ impl<'a> Level<'a> {
         blended: &mut Mat<f32>,
         threads: usize,
     ) -> Result<(), AlignError> {
-        frame_weights(plan, self.layouts(), Window::Box, weights);
+        frame_weights(plan, self.layouts(), Window::Box, weights, threads);
         matmul(weights.view(), self.source.frames.view(), blended, threads)?;
         close_loop(&self.control.layout, blended);
         Ok(())

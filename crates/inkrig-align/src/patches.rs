@@ -1,7 +1,7 @@
 //! Distances between patches: overlapping windows of frames (MAMM Sec. 3.2.1, 3.2.2).
 
 use crate::{Layout, Norm};
-use inkrig_transport::{Mat, MatRef, Real, TransportError, matmul_transposed};
+use inkrig_transport::{Mat, MatRef, Real, TransportError, for_rows, matmul_transposed};
 
 /// Buffers that are kept between calls.
 #[derive(Debug, Clone)]
@@ -39,26 +39,23 @@ pub fn patch_distances<T: Real>(
     out: &mut Mat<T>,
     threads: usize,
 ) -> Result<(), TransportError> {
-    out.resize(rows.patches(), columns.patches());
     squared_frame_distances(a, b, scratch, threads)?;
-    let scale_squared = scale * scale;
-    for down in rows.runs() {
-        for i in 0..down.count {
+    out.resize(rows.patches(), columns.patches());
+    let (frames, scale_squared, width) = (&scratch.frames, scale * scale, out.cols());
+    let firsts: Vec<usize> = rows.runs().flat_map(|run| run.frame..run.frame + run.count).collect();
+    for_rows(threads, out.as_mut_slice(), width, &|first, block| {
+        for (sums, &top) in block.chunks_exact_mut(width).zip(&firsts[first..]) {
             for across in columns.runs() {
-                let sums = &mut out.row_mut(down.patch + i)[across.patch..across.patch + across.count];
+                let sums = &mut sums[across.patch..across.patch + across.count];
                 for offset in 0..rows.patch() {
                     let from = across.frame + offset;
-                    let squares = &scratch.frames.row(down.frame + i + offset)[from..from + across.count];
-                    for (sum, &square) in sums.iter_mut().zip(squares) {
-                        *sum += square;
-                    }
+                    let squares = &frames.row(top + offset)[from..from + across.count];
+                    sums.iter_mut().zip(squares).for_each(|(sum, &square)| *sum += square);
                 }
             }
-            for sum in out.row_mut(down.patch + i) {
-                *sum = (*sum * scale_squared).sqrt();
-            }
+            sums.iter_mut().for_each(|sum| *sum = (*sum * scale_squared).sqrt());
         }
-    }
+    });
     Ok(())
 }
 
@@ -125,14 +122,17 @@ fn squared_frame_distances<T: Real>(
     scratch.norms.extend((0..b.rows()).map(|j| square(b.row(j))));
     matmul_transposed(a, b, &mut scratch.frames, threads)?;
     let two = T::from_f64(2.0);
-    let zero = T::ZERO;
-    for i in 0..a.rows() {
-        let own = square(a.row(i));
-        for (value, &norm) in scratch.frames.row_mut(i).iter_mut().zip(&scratch.norms) {
-            let distance = own + norm - two * *value;
-            *value = if distance > zero { distance } else { zero };
+    let PatchScratch { frames, norms } = scratch;
+    let width = frames.cols();
+    for_rows(threads, frames.as_mut_slice(), width, &|first, block| {
+        for (i, row) in block.chunks_exact_mut(width).enumerate() {
+            let own = square(a.row(first + i));
+            for (value, &norm) in row.iter_mut().zip(norms.iter()) {
+                let distance = own + norm - two * *value;
+                *value = if distance > T::ZERO { distance } else { T::ZERO };
+            }
         }
-    }
+    });
     Ok(())
 }
 
@@ -173,7 +173,7 @@ mod tests {
         });
         let mut weights = Mat::zeros(0, 0);
         let layouts = (&Layout::open(rows + patch - 1, patch), &Layout::open(source.rows(), patch));
-        frame_weights(plan.view(), layouts, Window::Box, &mut weights);
+        frame_weights(plan.view(), layouts, Window::Box, &mut weights, 2);
         for t in 0..rows + patch - 1 {
             let (mut sum, mut count) = ([0.0; 5], 0.0);
             for i in (0..rows).filter(|&i| i <= t && t < i + patch) {

@@ -5,7 +5,7 @@
 use crate::patches::{PatchScratch, normalised_self_distances};
 use crate::pyramid::{level_lengths, resample_frames};
 use crate::{AlignError, Layout, Norm, Options};
-use inkrig_transport::{Mat, MatRef};
+use inkrig_transport::{Mat, MatRef, with_threads};
 
 /// A table of frames and where its patches stand.
 #[derive(Debug, Clone, Copy)]
@@ -64,24 +64,30 @@ impl Prepared {
     }
 
     fn new(frames: Frames<'_>, norm: Norm, options: &Options) -> Result<Option<Self>, AlignError> {
-        let mut scratch = PatchScratch::new();
-        let mut levels = Vec::with_capacity(options.levels);
-        for layout in level_layouts(frames.layout, options) {
-            let (mut table, mut distances) = (Mat::default(), Mat::default());
-            resample_frames(frames.table, frames.layout, &layout, &mut table);
-            let threads = options.threads;
-            let scale = normalised_self_distances(
-                table.view(),
-                &layout,
-                norm,
-                &mut scratch,
-                &mut distances,
-                threads,
-            )?;
-            let Some(scale) = scale else { return Ok(None) };
-            levels.push(LevelTable { layout, frames: table, distances, scale });
-        }
-        Ok(Some(Self { layout: frames.layout.clone(), levels }))
+        let threads = options.threads;
+        let levels: Option<Vec<_>> = with_threads(threads, || {
+            let mut scratch = PatchScratch::new();
+            let layouts = level_layouts(frames.layout, options).into_iter();
+            let levels = layouts.map(|layout| LevelTable::new(frames, layout, norm, &mut scratch, threads));
+            levels.collect::<Result<_, AlignError>>()
+        })?;
+        Ok(levels.map(|levels| Self { layout: frames.layout.clone(), levels }))
+    }
+}
+
+impl LevelTable {
+    /// `None` when all patches are alike.
+    fn new(
+        frames: Frames<'_>,
+        layout: Layout,
+        norm: Norm,
+        scratch: &mut PatchScratch<f32>,
+        threads: usize,
+    ) -> Result<Option<Self>, AlignError> {
+        let (mut table, mut distances) = (Mat::default(), Mat::default());
+        resample_frames(frames.table, frames.layout, &layout, &mut table);
+        let scale = normalised_self_distances(table.view(), &layout, norm, scratch, &mut distances, threads)?;
+        Ok(scale.map(|scale| Self { layout, frames: table, distances, scale }))
     }
 }
 

@@ -16,11 +16,11 @@ pub struct Progress {
     pub total: usize,
 }
 
-/// Called after every round. [`ControlFlow::Break`] ends the run with [`AlignError::Cancelled`].
-pub type Observer<'a> = &'a mut dyn FnMut(Progress) -> ControlFlow<()>;
+/// Called after every round, on whatever thread works. [`ControlFlow::Break`] ends the run with [`AlignError::Cancelled`].
+pub type Observer<'a> = &'a mut (dyn FnMut(Progress) -> ControlFlow<()> + Send);
 
 pub(crate) fn report(
-    observer: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    observer: &mut (dyn FnMut(Progress) -> ControlFlow<()> + Send),
     progress: Progress,
 ) -> Result<(), AlignError> {
     match observer(progress) {

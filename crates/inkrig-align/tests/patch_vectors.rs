@@ -43,7 +43,7 @@ fn patch_blend() {
     let mass = 1.0 / plan.rows() as f64;
     plan.as_mut_slice().iter_mut().for_each(|value| *value *= mass);
     let (mut weights, mut blended) = (Mat::zeros(0, 0), Mat::zeros(0, 0));
-    frame_weights(plan.view(), (&rows, &columns), Window::Box, &mut weights);
+    frame_weights(plan.view(), (&rows, &columns), Window::Box, &mut weights, 1);
     matmul(weights.view(), x.view(), &mut blended, 1).unwrap();
     let error = largest_difference(&blended, &table(&vectors["blend"]));
     println!("largest difference of blended frames: {error:e}");

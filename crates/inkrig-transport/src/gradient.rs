@@ -6,7 +6,7 @@
 
 use crate::factor_product::FactorBuffers;
 use crate::kernels::{Product, SquareProduct, dispatch};
-use crate::parallel::{Chunk, PerBlock, block_rows, for_blocks};
+use crate::parallel::{Chunk, PerBlock, SMALL, block_rows, for_blocks};
 use crate::{Distances, Problem, Real, Workspace};
 
 /// `workspace.sums = Dx^2 c`.
@@ -26,9 +26,6 @@ pub(crate) fn square_product<T: Real>(problem: &Problem<'_, T>, workspace: &mut 
         dispatch(*isa, SquareProduct { rows, mass, stride, out: out.data });
     });
 }
-
-/// Elements below which a pass over a matrix stays on one thread.
-pub(crate) const SMALL: usize = 1 << 18;
 
 /// For each block of rows: `Dy T Dx` into `workspace.kernel`, then `each(piece)` while it is in the cache.
 pub(crate) fn products<T: Real>(

@@ -86,6 +86,7 @@ pub use mirror_descent::{MirrorDescent, Step};
 pub use mm_sinkhorn::MmSinkhorn;
 pub use nystrom::Nystrom;
 pub use objective::{Terms, terms};
+pub use parallel::{for_each, for_rows, with_threads};
 pub use plan::Plan;
 pub use problem::{Params, Problem};
 pub use product::{matmul, matmul_transposed};

@@ -1,7 +1,7 @@
 use crate::gradient::{products, reduce, square_product};
 use crate::kernels::{Mirror, dispatch};
 use crate::mm_sinkhorn::record;
-use crate::parallel::{Chunk, PerBlock, enter, for_blocks};
+use crate::parallel::{Chunk, PerBlock, for_blocks, with_threads};
 use crate::{Problem, Real, Start, Trace, TransportError, Workspace};
 
 /// The step of [`MirrorDescent`].
@@ -58,7 +58,7 @@ impl MirrorDescent {
         set_log_plan(workspace);
         let mut trace = Trace::default();
         trace.records.reserve(self.iterations.checked_div(self.trace).map_or(0, |records| records + 1));
-        enter(workspace.threads, || self.run(problem, workspace, &mut trace));
+        with_threads(workspace.threads, || self.run(problem, workspace, &mut trace));
         workspace.finish();
         Ok(trace)
     }

@@ -1,8 +1,8 @@
-use crate::gradient::{SMALL, products, reduce, square_product};
+use crate::gradient::{products, reduce, square_product};
 use crate::kernels::{Gibbs, PlanRows, Scaling, Sweep, dispatch};
 use crate::objective::terms_with_product;
 use crate::padded::Padded;
-use crate::parallel::{Chunk, PerBlock, enter, for_blocks};
+use crate::parallel::{Chunk, PerBlock, SMALL, for_blocks, with_threads};
 use crate::{Params, Problem, Real, Record, Start, Trace, TransportError, Workspace};
 
 /// The solver to use: majorise-minimise with Sinkhorn sweeps.
@@ -65,7 +65,7 @@ impl MmSinkhorn {
         workspace.prepare(problem, self.start)?;
         let mut trace = Trace::default();
         trace.records.reserve(self.iterations.checked_div(self.trace).map_or(0, |records| records + 1));
-        enter(workspace.threads, || self.run(problem, workspace, &mut trace));
+        with_threads(workspace.threads, || self.run(problem, workspace, &mut trace));
         workspace.finish();
         Ok(trace)
     }

@@ -1,4 +1,4 @@
-use crate::parallel::{Chunk, enter, for_blocks};
+use crate::parallel::{Chunk, for_blocks, with_threads};
 use crate::{LowRank, Mat, MatRef, Real, TransportError, matmul, matmul_transposed};
 
 /// Makes a [`LowRank`] from the distances of a few landmarks to all points: landmark multidimensional scaling ("de Silva &
@@ -53,7 +53,7 @@ impl Nystrom {
         let chosen = self.choose(points)?;
         let mut rows = Mat::zeros(chosen.len(), points);
         let work = Chunk::new(rows.as_mut_slice(), points);
-        enter(self.threads, || {
+        with_threads(self.threads, || {
             for_blocks(self.threads, chosen.len(), 4, work, &|first, count, out: Chunk<'_, T>| {
                 let out = out.data.chunks_exact_mut(points);
                 chosen[first..first + count].iter().zip(out).for_each(|(&i, out)| row(i, out));

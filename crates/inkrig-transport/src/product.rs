@@ -1,7 +1,7 @@
 // The `gemm` crate takes raw pointers; `product` below is the one place that calls it.
 #![allow(unsafe_code)]
 
-use crate::parallel::{self, Chunk, block_rows, for_blocks};
+use crate::parallel::{self, Chunk, for_blocks};
 use crate::{Mat, MatRef, Real, TransportError};
 
 /// A matrix as the `gemm` crate sees it: a slice, and how far apart its rows and columns are.
@@ -133,8 +133,10 @@ fn blocked<T: Real>(a: MatRef<'_, T>, b: Strided<'_, T>, out: &mut Mat<T>, threa
         return;
     }
     let work = Chunk::new(out.as_mut_slice(), n);
-    parallel::enter(threads, || {
-        for_blocks(threads, m, block_rows(m), work, &|first, rows, out: Chunk<'_, T>| {
+    parallel::with_threads(threads, || {
+        // Each call packs its right side anew: few blocks.
+        let block = m.div_ceil(4).next_multiple_of(4).clamp(32, 192);
+        for_blocks(threads, m, block, work, &|first, rows, out: Chunk<'_, T>| {
             let a = Strided::rows(&a.as_slice()[first * k..(first + rows) * k], k);
             product(rows, n, k, a, b, out.data, n);
         });

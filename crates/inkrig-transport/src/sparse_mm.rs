@@ -3,7 +3,7 @@
 use crate::gradient::reduce;
 use crate::kernels::{Block, Scaling, SparseGibbs, SparsePlanRows, SparseSweep, dispatch};
 use crate::mm_sinkhorn::set_target;
-use crate::parallel::{PerBlock, Ragged, enter, for_blocks};
+use crate::parallel::{PerBlock, Ragged, for_blocks, with_threads};
 use crate::sparse_gradient::{products, terms};
 use crate::sparse_workspace::block_rows;
 use crate::{MmSinkhorn, Real, Record, SparseProblem, SparseWorkspace, Trace, TransportError};
@@ -38,7 +38,7 @@ impl MmSinkhorn {
         self.validate()?;
         workspace.prepare(problem, self.start)?;
         let mut trace = Trace::default();
-        enter(workspace.threads, || self.run_sparse(problem, workspace, &mut trace));
+        with_threads(workspace.threads, || self.run_sparse(problem, workspace, &mut trace));
         workspace.finish();
         Ok(trace)
     }

@@ -184,12 +184,18 @@ impl<T: Real> Workspace<T> {
         self.sum_columns();
     }
 
-    /// `mass = T^T 1`.
+    /// `mass = T^T 1`, in the blocks and the order in which a solver sums them.
     fn sum_columns(&mut self) {
-        let mass = self.mass.row_mut(0);
+        let (rows, block) = (self.transport.rows(), self.block());
+        let Self { transport, mass, sums, .. } = self;
+        let (mass, sums) = (mass.row_mut(0), sums.row_mut(0));
         mass.fill(T::ZERO);
-        for i in 0..self.transport.rows() {
-            mass.iter_mut().zip(self.transport.row(i)).for_each(|(c, &t)| *c += t);
+        for first in (0..rows).step_by(block) {
+            sums.fill(T::ZERO);
+            for i in first..(first + block).min(rows) {
+                sums.iter_mut().zip(transport.row(i)).for_each(|(sum, &t)| *sum += t);
+            }
+            mass.iter_mut().zip(sums.iter()).for_each(|(c, &sum)| *c += sum);
         }
     }
 
