@@ -8,7 +8,7 @@ use crate::pyramid::{close_loop, resample_frames};
 use crate::quality::Quality;
 use crate::reconstruct::{Ends, blend_clip};
 use crate::report::{Report, StageRow, notes};
-use crate::{AlignError, Layout, Options, pca};
+use crate::{AlignError, Layout, Options, SoundFit, pca};
 use inkrig_motion::{Clip, FeatureLayout, Features, Takes, lead_in, time};
 use inkrig_transport::{Isa, Mat, MatRef, Plan};
 use std::time::Instant;
@@ -89,6 +89,14 @@ pub(crate) fn align_with(
     let (best_source, confidence) = most_used(&matching.weights, options.matching_rate);
     clock.stage("reconstruction");
     let quality = Quality::of(&source, &clip, &layout, (&features, &columns), (&drawn, &rows), options)?;
+    let heard = control.heard.as_ref().map(|heard| -> Result<SoundFit, AlignError> {
+        let plain = Control { features: heard.plain.clone(), ..control.clone() };
+        let pair = (&at_rate(&plain, options).0, &rows);
+        let unsmoothed = Quality::of(&source, &clip, &layout, (&features, &columns), pair, options)?;
+        let moving = SoundFit::of((&clip, source.clip()), layout.travel_joint(), heard, control.rate)?;
+        Ok(SoundFit { structure_pearson_unsmoothed: unsmoothed.structure_pearson, ..moving })
+    });
+    let sound = heard.transpose()?;
     clock.stage("measuring");
     let mut report = Report {
         structure_pearson: quality.structure_pearson,
@@ -103,6 +111,7 @@ pub(crate) fn align_with(
         freeze_source: quality.freeze_source,
         loop_seam_ratio: quality.loop_seam_ratio,
         mirror_symmetry: buffers.first.symmetry.take().unwrap_or(0.0),
+        sound,
         gradients: matching.gradients,
         solve_seconds,
         total_seconds: clock.total(),

@@ -78,6 +78,16 @@ pub enum AlignError {
     /// A sound without anything to hear.
     #[error("the sound is silent throughout, so there is nothing to move to: give another")]
     Silence,
+    /// A sound that is longer than what is matched at once.
+    #[error(
+        "the sound is {seconds:.0} s long, and at most {most:.0} s are matched at once: cut it in a sound editor, or use a part of it"
+    )]
+    LongSound {
+        /// Its length, seconds.
+        seconds: f64,
+        /// The limit, seconds.
+        most: f64,
+    },
     /// A keyframe that cannot be met.
     #[error("a keyframe cannot be met: {what}")]
     Key {

@@ -28,13 +28,14 @@ mod quality;
 pub mod reconstruct;
 mod report;
 mod scouting;
+mod sound_fit;
 mod suggest;
 #[cfg(test)]
 mod testing;
 
 pub use alignment::{Alignment, MOST_FRAMES, align};
 pub use comparison::Comparison;
-pub use control::{Control, ControlKind, CurveOptions};
+pub use control::{Control, ControlKind, CurveOptions, SoundOptions};
 pub use error::AlignError;
 pub use explain::{Alternative, alternatives};
 pub use keys::{Key, Keys, Place};
@@ -43,4 +44,5 @@ pub use options::{Norm, Options, Preset};
 pub use progress::{Observer, Progress};
 pub use quality::Quality;
 pub use report::{AMBIGUOUS, Report, StageRow};
+pub use sound_fit::{Heard, SoundFit};
 pub use suggest::{Candidate, MapFrame, Moment, Moments, MotionMap, candidates, keys_on_map};

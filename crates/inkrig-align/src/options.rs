@@ -121,7 +121,14 @@ impl Options {
             ControlKind::Curve | ControlKind::Wave => {}
             // A small lambda freezes: all of a label's frames would be drawn to one moment.
             ControlKind::Labels => options.lambda = 0.3,
-            ControlKind::Sound => options.lambda = 0.02,
+            // A plan that mixes more poses needs no polish, which costs structure here, and a control scaled to be
+            // smaller than the clip asks for no leaps.
+            ControlKind::Sound => {
+                options.lambda = 0.02;
+                options.epsilon = 0.01;
+                options.polish = 0;
+                options.control_norm = Norm::Quantile;
+            }
             ControlKind::Motion => {
                 options.source_norm = Norm::Quantile;
                 options.control_norm = Norm::Quantile;

@@ -1,7 +1,7 @@
 //! What came out, in flat numbers with stable names.
 
 use crate::coarse_to_fine::LevelRow;
-use crate::{Options, Quality};
+use crate::{Options, Quality, SoundFit};
 use serde::Serialize;
 
 /// Numbers of one alignment. The names are stable: tools may read them from the report file.
@@ -34,6 +34,9 @@ pub struct Report {
     /// good, in which what is alike on both sides has changed places: [`Options::mirror`](crate::Options::mirror),
     /// [`alternatives`](crate::alternatives).
     pub mirror_symmetry: f64,
+    /// For a sound: how the movement goes with it.
+    #[serde(flatten)]
+    pub sound: Option<SoundFit>,
     /// Solver gradients taken.
     pub gradients: usize,
     /// Wall seconds from features ready to final features: distances, all levels, polish.

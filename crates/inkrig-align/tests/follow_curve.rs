@@ -3,7 +3,7 @@
 
 use inkrig_align::{
     AlignError, Alignment, Control, ControlKind, CurveOptions, Key, Norm, Options, Place, Preset, Report,
-    align,
+    SoundOptions, align,
 };
 use inkrig_formats::{ImportOptions, read_bvh};
 use inkrig_motion::glam::{Quat, Vec3};
@@ -166,6 +166,7 @@ fn what_cannot_be_aligned_is_said_with_what_to_do() {
         cyclic: false,
         domain: None,
         kind: ControlKind::Curve,
+        heard: None,
     };
     assert!(message(&clip, &flat, &usual).contains("the control does not change"));
     let long = Control {
@@ -174,6 +175,7 @@ fn what_cannot_be_aligned_is_said_with_what_to_do() {
         cyclic: false,
         domain: None,
         kind: ControlKind::Curve,
+        heard: None,
     };
     assert!(message(&clip, &long, &usual).contains("cut it with --length"));
     let bad = Options { alpha: 1.5, ..usual };
@@ -352,7 +354,7 @@ fn music_is_followed() {
         }
         let sound = inkrig_sound::decode(&std::fs::read(&path).unwrap(), "flac").unwrap().sound;
         println!("{} {:.2} s", path.file_name().unwrap().display(), sound.seconds());
-        let report = run(&clip, &Control::from_sound(&sound, 30.0).unwrap()).report;
+        let report = run(&clip, &Control::from_sound(&sound, &SoundOptions::default()).unwrap()).report;
         assert!(report.jump_q999_ratio <= 2.5, "{report:?}");
         // A bar of two seconds has hardly two patches that share no frame.
         if sound.seconds() > 5.0 {
@@ -362,7 +364,7 @@ fn music_is_followed() {
     }
     assert!(heard > 0);
     let silence = inkrig_sound::Sound::new(vec![0.0; 44_100], 44_100).unwrap();
-    assert!(matches!(Control::from_sound(&silence, 30.0), Err(AlignError::Silence)));
+    assert!(matches!(Control::from_sound(&silence, &SoundOptions::default()), Err(AlignError::Silence)));
 }
 
 fn with_keys(clip: &Clip, curve: &Curve, keys: Vec<Key>) -> Result<Alignment, AlignError> {

@@ -16,13 +16,17 @@ pub enum Ends {
     Cyclic,
 }
 
-/// Smooths frames with a Gaussian whose standard deviation is `sigma` frames; 0 leaves them as they are.
+/// Smooths frames of N numbers with a Gaussian whose standard deviation is `sigma` frames; 0 leaves them as they are.
 ///
 /// Returns as many points as it is given.
 ///
 /// # Errors
 /// [`SketchError::Sigma`]: a width that is negative, not a number, or above [`MAX_SIGMA`].
-pub fn smooth(points: &[[f64; 2]], sigma: f64, ends: Ends) -> Result<Vec<[f64; 2]>, SketchError> {
+pub fn smooth<const N: usize>(
+    points: &[[f64; N]],
+    sigma: f64,
+    ends: Ends,
+) -> Result<Vec<[f64; N]>, SketchError> {
     if !(0.0..=MAX_SIGMA).contains(&sigma) {
         return Err(SketchError::Sigma { sigma });
     }
@@ -40,7 +44,7 @@ pub fn smooth(points: &[[f64; 2]], sigma: f64, ends: Ends) -> Result<Vec<[f64; 2
             let repeated = points.len() > 2 && points.first() == points.last();
             let loop_len = points.len() - usize::from(repeated);
             let padded = extend(loop_len, reach, |index| {
-                points.get(index.rem_euclid(loop_len as isize) as usize).copied().unwrap_or_default()
+                points.get(index.rem_euclid(loop_len as isize) as usize).copied().unwrap_or([0.0; N])
             });
             let mut smoothed = convolve(&padded, &kernel);
             if repeated {
@@ -63,44 +67,50 @@ fn half_kernel(sigma: f64) -> Vec<f64> {
     weights
 }
 
-fn extend(count: usize, reach: isize, at: impl Fn(isize) -> [f64; 2]) -> Vec<[f64; 2]> {
+fn extend<const N: usize>(count: usize, reach: isize, at: impl Fn(isize) -> [f64; N]) -> Vec<[f64; N]> {
     (-reach..count as isize + reach).map(at).collect()
 }
 
 /// The point at any index of a curve that is reflected through its end points again and again.
-fn reflected(points: &[[f64; 2]], index: isize) -> [f64; 2] {
-    let (Some(&first), Some(&last)) = (points.first(), points.last()) else { return [0.0; 2] };
+fn reflected<const N: usize>(points: &[[f64; N]], index: isize) -> [f64; N] {
+    let (Some(&first), Some(&last)) = (points.first(), points.last()) else { return [0.0; N] };
     let span = points.len() as isize - 1;
     let period = 2 * span;
     let (rounds, within) = (index.div_euclid(period) as f64, index.rem_euclid(period));
-    let point = |index: isize| points.get(index as usize).copied().unwrap_or_default();
+    let point = |index: isize| points.get(index as usize).copied().unwrap_or([0.0; N]);
     let base = if within <= span {
         point(within)
     } else {
         let mirrored = point(period - within);
-        [2.0 * last[0] - mirrored[0], 2.0 * last[1] - mirrored[1]]
+        each(last, mirrored, |last, mirrored| 2.0 * last - mirrored)
     };
-    [base[0] + rounds * 2.0 * (last[0] - first[0]), base[1] + rounds * 2.0 * (last[1] - first[1])]
+    let way = each(last, first, |last, first| rounds * 2.0 * (last - first));
+    each(base, way, |base, way| base + way)
 }
 
 /// Weighs each window symmetrically about its centre, so that the result is exact for a reflected line.
-fn convolve(padded: &[[f64; 2]], kernel: &[f64]) -> Vec<[f64; 2]> {
+fn convolve<const N: usize>(padded: &[[f64; N]], kernel: &[f64]) -> Vec<[f64; N]> {
     let reach = kernel.len() - 1;
     padded
         .windows(2 * reach + 1)
         .map(|window| {
             let (before, from_centre) = window.split_at(reach);
-            let centre = from_centre.first().copied().unwrap_or_default();
+            let centre = from_centre.first().copied().unwrap_or([0.0; N]);
             let pairs = before.iter().rev().zip(from_centre.iter().skip(1)).zip(kernel.iter().skip(1));
             // Offsets from the centre: what is far from the origin keeps its precision.
             pairs.fold(centre, |sum, ((a, b), weight)| {
-                [
-                    sum[0] + weight * ((a[0] - centre[0]) + (b[0] - centre[0])),
-                    sum[1] + weight * ((a[1] - centre[1]) + (b[1] - centre[1])),
-                ]
+                let off = |point: &[f64; N]| each(*point, centre, |own, centre| own - centre);
+                let pull = each(off(a), off(b), |before, after| before + after);
+                each(sum, pull, |sum, pull| sum + weight * pull)
             })
         })
         .collect()
+}
+
+/// Two points to one, number by number.
+fn each<const N: usize>(mut a: [f64; N], b: [f64; N], with: impl Fn(f64, f64) -> f64) -> [f64; N] {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a = with(*a, b));
+    a
 }
 
 #[cfg(test)]
@@ -171,7 +181,7 @@ mod tests {
             let smoothed = smooth(&points, 50.0, ends).unwrap();
             assert!(smoothed.iter().flatten().all(|v| v.is_finite()));
         }
-        assert_eq!(smooth(&[], 2.0, Ends::Open).unwrap(), Vec::<[f64; 2]>::new());
+        assert_eq!(smooth::<2>(&[], 2.0, Ends::Open).unwrap(), Vec::<[f64; 2]>::new());
     }
 
     #[test]

@@ -77,7 +77,7 @@ fn figures(alignment: &Alignment) -> Vec<Figure> {
     let figure = |name: &str, value: String, note: String| Figure { name: name.to_string(), value, note };
     let number = |value: f64| fixed(value, 2);
     let percent = |share: f64| format!("{} %", fixed(100.0 * share, 0));
-    vec![
+    let mut figures = vec![
         figure(
             "follows the drawing",
             number(report.structure_pearson),
@@ -121,5 +121,21 @@ fn figures(alignment: &Alignment) -> Vec<Figure> {
             format!("{:.3} s", report.solve_seconds),
             format!("{} gradients, {}", report.gradients, report.instruction_set),
         ),
-    ]
+    ];
+    if let Some(sound) = &report.sound {
+        let with = |stretched: f64| {
+            format!("correlation with speed, either sign; the stretched clip has {}", number(stretched))
+        };
+        figures.push(figure(
+            "quick where loud",
+            number(sound.loudness_correlation),
+            with(sound.loudness_correlation_warp),
+        ));
+        figures.push(figure(
+            "stops on the beat",
+            number(sound.beat_alignment),
+            format!("1 if all onsets have one; the stretched clip has {}", number(sound.beat_alignment_warp)),
+        ));
+    }
+    figures
 }

@@ -98,9 +98,9 @@ pub struct AlignArgs {
     /// Solver gradients of every round [default: 4]
     #[arg(long, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub iterations: Option<usize>,
-    /// Smoothing of the drawn curve, frames; 0 for none
-    #[arg(long, value_name = "FRAMES", default_value_t = 2.0, value_parser = numbers::smooth, allow_negative_numbers = true, help_heading = "Fine tuning")]
-    pub smooth: f64,
+    /// Smoothing of the drawn curve or the sound, frames of 30 a second; 0 for none [default: 2, for a sound 2.7]
+    #[arg(long, value_name = "FRAMES", value_parser = numbers::smooth, allow_negative_numbers = true, help_heading = "Fine tuning")]
+    pub smooth: Option<f64>,
     /// Another seed finds another of the equally good solutions
     #[arg(long, default_value_t = 0, help_heading = "Fine tuning")]
     pub seed: u64,

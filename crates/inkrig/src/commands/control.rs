@@ -3,7 +3,7 @@
 use crate::cli::AlignArgs;
 use crate::error::CliError;
 use crate::load;
-use inkrig_align::{AlignError, Control, CurveOptions, Options};
+use inkrig_align::{AlignError, Control, CurveOptions, Options, SoundOptions};
 use inkrig_motion::Clip;
 use inkrig_sketch::{Format, Labels, SketchError, Timing, Wave};
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub(super) fn control(
     } else if let Some(text) = &asked.labels {
         labels(text, samples, rate)?
     } else if let Some(path) = &asked.sound {
-        stretched(Control::from_sound(&load::sound(path)?, rate)?, samples, rate)
+        stretched(sound(path, args, rate)?, samples, rate)
     } else if let Some(path) = &asked.like {
         stretched(Control::from_motion(&motion(path)?, rate, &options.features)?, samples, rate)
     } else {
@@ -43,10 +43,16 @@ fn stretched(mut control: Control, samples: Option<usize>, rate: f64) -> Control
     control
 }
 
+fn sound(path: &Path, args: &AlignArgs, rate: f64) -> Result<Control, CliError> {
+    let smooth = args.smooth.unwrap_or(SoundOptions::default().smooth);
+    Ok(Control::from_sound(&load::sound(path)?, &SoundOptions { rate, smooth })?)
+}
+
 /// A drawing; a CSV of other columns than x and y is a curve of as many dimensions.
 fn curve(path: &Path, args: &AlignArgs, samples: Option<usize>, rate: f64) -> Result<Control, CliError> {
     let timing = args.uniform.then_some(Timing::ArcLength);
-    let options = CurveOptions { samples, rate, smooth: args.smooth, timing };
+    let smooth = args.smooth.unwrap_or(CurveOptions::default().smooth);
+    let options = CurveOptions { samples, rate, smooth, timing };
     let drawn = load::curve(path);
     if drawn.is_err() && Format::from_path(path) == Some(Format::Csv) {
         let table = load::drawing(path)

@@ -79,7 +79,7 @@ struct Parameters {
     first_iterations: usize,
     polish: usize,
     matching_rate: f64,
-    smooth: f64,
+    smooth: Option<f64>,
     seed: u64,
     norm: String,
     rotations: String,

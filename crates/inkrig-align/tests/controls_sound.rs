@@ -1,0 +1,86 @@
+//! Music and speech as control, on real dances and gestures.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and prints its figures")]
+
+mod support;
+
+use inkrig_align::{AlignError, Control, ControlKind, SoundOptions};
+use inkrig_sound::Sound;
+use support::{assert_gates, follow, motion, sample, sound};
+
+/// Of eight to eleven seconds. The other two of the reference are a bar of two seconds, in which hardly two patches share
+/// no frame.
+const LOOPS: [&str; 3] = ["garzul", "safari", "tabla"];
+
+const DANCES: [&str; 10] = [
+    "salsa/01",
+    "salsa/03",
+    "salsa/05",
+    "salsa/07",
+    "salsa/04",
+    "salsa/11",
+    "indian/04",
+    "indian/07",
+    "indian/13",
+    "indian/14",
+];
+
+#[test]
+fn every_loop_is_danced_to() {
+    let (mut structure, mut before, mut count) = (0.0, 0.0, 0.0);
+    for dance in DANCES {
+        let Some(clip) = motion(&format!("cmu-dance/{dance}.bvh"), 20.0) else { return };
+        for music in LOOPS {
+            let Some(sound) = sound(&format!("audio/loop_{music}.flac")) else { return };
+            let name = format!("{music} on {dance}");
+            let report =
+                follow(&name, &clip, &Control::from_sound(&sound, &SoundOptions::default()).unwrap()).report;
+            assert_gates(&name, ControlKind::Sound, 0.75, &report);
+            let fit = report.sound.unwrap();
+            structure += report.structure_pearson;
+            before += fit.structure_pearson_unsmoothed;
+            count += 1.0;
+            assert!(
+                fit.loudness_correlation.abs() <= 1.0 && fit.loudness_lag.abs() <= 0.25,
+                "{name}: {fit:?}"
+            );
+            assert!((0.0..=1.0).contains(&fit.beat_alignment), "{name}: {fit:?}");
+        }
+    }
+    println!("mean structure {:.3}, before smoothing {:.3}", structure / count, before / count);
+    assert!(structure / count >= 0.82 && before / count >= 0.45);
+}
+
+#[test]
+fn smoothing_is_what_lets_a_body_follow() {
+    let Some(clip) = motion("cmu-dance/salsa/01.bvh", 20.0) else { return };
+    let Some(sound) = sound("audio/loop_tabla.flac") else { return };
+    let with = |smooth| {
+        let control =
+            Control::from_sound(&sound, &SoundOptions { smooth, ..SoundOptions::default() }).unwrap();
+        follow(&format!("smoothed by {smooth}"), &clip, &control).report
+    };
+    let (plain, usual) = (with(0.0), with(2.7));
+    assert!(usual.structure_pearson > plain.structure_pearson + 0.15);
+    let unsmoothed = plain.sound.unwrap().structure_pearson_unsmoothed;
+    assert!((unsmoothed - plain.structure_pearson).abs() < 1e-6, "without smoothing they are the same");
+}
+
+#[test]
+fn a_sound_that_is_silent_too_long_or_too_short_is_said() {
+    let says = |seconds: f64, level: f32, rate: u32| {
+        let samples = (seconds * f64::from(rate)) as usize;
+        let tone = (0..samples).map(|i| level * (i as f32 * 0.3).sin() * (i as f32 * 1e-4).cos()).collect();
+        Control::from_sound(&Sound::new(tone, rate).unwrap(), &SoundOptions::default())
+    };
+    assert!(says(2.0, 0.0, 22_050).unwrap_err().to_string().contains("silent throughout"));
+    // Two hours at the lowest rate that can be analysed: refused before anything is computed of it.
+    let long = says(7200.0, 0.1, 1000).unwrap_err().to_string();
+    assert!(long.contains("7200 s long") && long.contains("cut it"), "{long}");
+    let short = says(0.2, 0.5, 22_050).unwrap();
+    let error = inkrig_align::align(&sample("person").into(), &short, &Default::default(), &mut |_| {
+        std::ops::ControlFlow::Continue(())
+    });
+    assert!(matches!(error, Err(AlignError::ControlTooShort { .. })));
+    let loud = says(2.0, 0.5, 22_050).unwrap();
+    assert_eq!(loud.heard.unwrap().loudness.len(), loud.features.frames());
+}
