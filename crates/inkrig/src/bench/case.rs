@@ -1,7 +1,7 @@
 //! A case of the benchmark: a clip, and what it shall follow.
 
 use super::pad_beat_melody;
-use inkrig_align::{AlignError, Control, ControlKind, CurveOptions, Options, Preset};
+use inkrig_align::{AlignError, Control, ControlKind, CurveOptions, Options, Preset, SoundOptions};
 use inkrig_motion::{Clip, Takes};
 use inkrig_sketch::{Curve, Labels, Wave};
 
@@ -50,7 +50,7 @@ impl Case {
                 let labels: Labels = text.parse()?;
                 Control::from_labels(&labels, None, rate)?
             }
-            ControlSpec::Sound => Control::from_sound(&pad_beat_melody()?, rate)?,
+            ControlSpec::Sound => Control::from_sound(&pad_beat_melody()?, &SoundOptions::default())?,
             ControlSpec::Like(clip) => Control::from_motion(clip, rate, &Options::default().features)?,
         };
         let options = Options::for_control(control.kind, Preset::Follow);
