@@ -75,3 +75,24 @@ fn what_cannot_be_a_motion_is_refused() {
     assert!(humanml::recover_positions(&narrow).unwrap_err().to_string().contains("expected 263"));
     assert!(humanml::uniform(&[], &[Vec3::ZERO; JOINTS]).is_empty() && humanml::ground(&[]).is_empty());
 }
+
+#[test]
+fn a_clip_of_positions_has_the_bodys_lengths_and_bends_its_knees_as_hinges() {
+    let walk = walk();
+    let body = humanml::bone_lengths(&walk[0]);
+    let skeleton = std::sync::Arc::new(humanml::skeleton(&body, &walk).unwrap());
+    let clip = humanml::to_clip(&walk, &skeleton, humanml::FRAME_RATE).unwrap();
+    let positions = inkrig_motion::kinematics::positions(&clip);
+    for (frame, wanted) in walk.iter().enumerate() {
+        let places = positions.frame(frame);
+        assert!(places[0].distance(wanted[0]) < 1e-5);
+        for joint in 1..JOINTS {
+            let length = places[joint].distance(places[PARENTS[joint]]);
+            assert!((length - body[joint].length()).abs() < 1e-5, "joint {joint} at frame {frame}");
+        }
+        // Shins point where they should, whatever the hips do.
+        let shin = (places[7] - places[4]).angle_between(wanted[7] - wanted[4]);
+        assert!(shin < 0.35, "the shin is {shin} radians off at frame {frame}");
+    }
+    assert!(humanml::to_clip(&[], &skeleton, 20.0).is_err());
+}

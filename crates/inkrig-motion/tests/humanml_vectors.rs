@@ -128,3 +128,46 @@ fn key_points_are_seen_and_normalised_as_stored() {
     statistics.normalise(&mut rows);
     assert!(largest(&rows, &numbers(&bytes, "norm_3d")) < 1e-4);
 }
+
+#[test]
+fn a_stored_motion_becomes_a_clip_that_a_rig_can_use() {
+    let Some(bytes) = vectors("humanml_process") else { return };
+    let body = joints(&numbers(&bytes, "tgt_offsets"))[0];
+    let wanted = joints(&numbers(&bytes, "global_positions"));
+    let skeleton = std::sync::Arc::new(humanml::skeleton(&body, &wanted).unwrap());
+    let clip = humanml::to_clip(&wanted, &skeleton, humanml::FRAME_RATE).unwrap();
+    let positions = inkrig_motion::kinematics::positions(&clip);
+    let mut off: Vec<f32> = (0..clip.frames())
+        .flat_map(|frame| {
+            positions.frame(frame).iter().zip(&wanted[frame]).map(|(a, b)| a.distance(*b)).collect::<Vec<_>>()
+        })
+        .collect();
+    off.sort_by(f32::total_cmp);
+    let (mean, largest) = (off.iter().sum::<f32>() / off.len() as f32, off[off.len() - 1]);
+    let steps = (1..clip.frames()).flat_map(|frame| {
+        let pairs = clip.rotations(frame).iter().zip(clip.rotations(frame - 1));
+        pairs.map(|(a, b)| a.angle_between(*b).to_degrees()).collect::<Vec<_>>()
+    });
+    let fastest = steps.fold(0.0, f32::max);
+    let bone = |frame: usize, joint: usize| wanted[frame][joint] - wanted[frame][humanml::PARENTS[joint]];
+    let mut fastest_bone = 0.0_f32;
+    for (frame, joint) in (1..wanted.len()).flat_map(|frame| (1..JOINTS).map(move |joint| (frame, joint))) {
+        let swing = bone(frame, joint).angle_between(bone(frame - 1, joint));
+        fastest_bone = fastest_bone.max(swing.to_degrees());
+    }
+    println!(
+        "clip: {:.1} mm apart on average, {:.1} mm at most; at most {fastest:.0} degrees a frame, bones {fastest_bone:.0}",
+        1e3 * mean,
+        1e3 * largest
+    );
+    assert!(mean < 2e-4 && largest < 1e-3 && fastest < fastest_bone + 10.0);
+    // Knees bend about their own x axis: hinges.
+    for knee in [4, 5] {
+        for frame in 0..clip.frames() {
+            let (axis, angle) = clip.rotations(frame)[knee].to_axis_angle();
+            if angle > 0.6 {
+                assert!(axis.x > 0.8, "knee {knee} bends about {axis} at frame {frame}");
+            }
+        }
+    }
+}

@@ -1,5 +1,6 @@
 //! The 22 joints, in the order of the SMPL body.
 
+use crate::MotionError;
 use glam::Vec3;
 
 /// How many joints the body has.
@@ -82,6 +83,16 @@ pub fn mirror(frames: &[Joints]) -> Vec<Joints> {
         out
     };
     frames.iter().map(flipped).collect()
+}
+
+/// Refuses positions that are no numbers.
+pub(super) fn check(frames: &[Joints]) -> Result<(), MotionError> {
+    for (frame, joints) in frames.iter().enumerate() {
+        if let Some(joint) = joints.iter().position(|place| !place.is_finite()) {
+            return Err(MotionError::NotFinite { what: "a position", joint, frame });
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::bones::{double, local_rotations};
 use super::facing::{Pose, root_rotations};
-use super::{JOINTS, Joints};
+use super::{JOINTS, Joints, body::check};
 use crate::{Features, MotionError};
 use glam::{DMat3, DQuat, DVec3};
 use std::ops::Range;
@@ -42,11 +42,7 @@ impl Blocks {
 /// # Errors
 /// When there are fewer than two frames, or a position is not finite.
 pub fn features(frames: &[Joints]) -> Result<Features, MotionError> {
-    for (frame, joints) in frames.iter().enumerate() {
-        if let Some(joint) = joints.iter().position(|place| !place.is_finite()) {
-            return Err(MotionError::NotFinite { what: "a position", joint, frame });
-        }
-    }
+    check(frames)?;
     let poses: Vec<Pose> = frames.iter().map(double).collect();
     let turns = root_rotations(&poses, true);
     let mut values = Vec::with_capacity(poses.len().saturating_sub(1) * WIDTH);

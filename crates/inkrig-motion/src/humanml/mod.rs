@@ -7,16 +7,19 @@
 mod body;
 mod bones;
 mod camera;
+mod clip;
 mod facing;
 mod features;
 mod ground;
 mod key_points;
+mod orientation;
 mod recover;
 mod statistics;
 
 pub use body::{CHAINS, JOINTS, Joints, NAMES, PARENTS, RAW_DIRECTIONS, mirror};
 pub use bones::{Offsets, bone_lengths, uniform};
 pub use camera::Camera;
+pub use clip::{skeleton, to_clip};
 pub use features::{Blocks, WIDTH, features};
 pub use ground::ground;
 pub use key_points::augment;
