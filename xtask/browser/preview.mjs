@@ -1,5 +1,6 @@
 // Opens preview pages and fails on anything a reader of the console would see, on a blank canvas, on a canvas that
-// stands still when played or scrubbed, and on any request that leaves a page's own file.
+// stands still when played or scrubbed, on a drawing that does not say what it uses, on poses that cannot be picked, and
+// on any request that leaves a page's own file.
 //
 //   node preview.mjs MODULES CHROMIUM SCREENSHOTS PAGE...
 //
@@ -114,6 +115,41 @@ async function drive(tab, canvas, found) {
     if (!(await within(async () => !(await moves(tab, canvas))))) found.push('the canvas still moves after pause');
   }
   await scrub(tab, canvas, found);
+  await point(tab, found);
+  await pick(tab, canvas, found);
+}
+
+// Points at the drawing until it says which part of the clip it uses there.
+async function point(tab, found) {
+  const box = await tab.locator('#curve').boundingBox();
+  for (let y = 60; y < box.height - 40; y += 8) {
+    for (let x = 40; x < box.width - 40; x += 8) {
+      await tab.mouse.move(box.x + x, box.y + y);
+      if (!(await tab.locator('#tip').isVisible())) continue;
+      const text = await tab.locator('#tip').textContent();
+      if (!/clip .* s, frame \d+.*% sure/.test(text)) found.push(`the drawing says of itself: ${text}`);
+      return;
+    }
+  }
+  found.push('no point of the drawing says which part of the clip it uses');
+}
+
+// Picks a suggested pose, by the keyboard, and lets it go again.
+async function pick(tab, canvas, found) {
+  const poses = tab.getByRole('button', { name: /^Pose \d+: clip/ });
+  if ((await poses.count()) < 2) return void found.push('there are no poses to pick');
+  if (await isBlank(tab, await poses.first().locator('canvas').screenshot())) found.push('a pose is blank');
+  if (await isBlank(tab, await tab.locator('#map').screenshot())) found.push('the map is blank');
+  const before = await canvas.screenshot();
+  await poses.nth(1).focus();
+  await tab.keyboard.press('Enter');
+  const text = await tab.locator('#key-text').textContent();
+  if (!/^--key [\d.]+s~frame:\d+$/.test(text)) found.push(`a picked pose says: ${text}`);
+  if ((await poses.nth(1).getAttribute('aria-pressed')) !== 'true') found.push('a picked pose is not pressed');
+  await tab.waitForTimeout(MOMENT / 2);
+  if (before.equals(await canvas.screenshot())) found.push('picking a pose changes nothing on the canvas');
+  await tab.keyboard.press('Escape');
+  if ((await poses.nth(1).getAttribute('aria-pressed')) !== 'false') found.push('a pose cannot be let go');
 }
 
 async function scrub(tab, canvas, found) {

@@ -8,6 +8,7 @@ use crate::pyramid::{close_loop, resample_frames};
 use crate::quality::Quality;
 use crate::reconstruct::{Ends, blend_clip};
 use crate::report::{Report, StageRow, notes};
+use crate::suggest::{Moment, places};
 use crate::{AlignError, Layout, Options, SoundFit, pca};
 use inkrig_motion::{Clip, FeatureLayout, Features, Takes, lead_in, time};
 use inkrig_transport::{Isa, Mat, MatRef, Plan};
@@ -33,6 +34,10 @@ pub struct Alignment {
     pub best_source: Vec<f32>,
     /// For every control sample, the share of its weight within a quarter second of that moment, 0..=1.
     pub confidence: Vec<f32>,
+    /// For every control sample, the frame of the source as it was given that it uses most.
+    pub used: Vec<Moment>,
+    /// Rest-pose frames that were left out at the beginning of each take.
+    pub lead_ins: Vec<usize>,
     /// The numbers.
     pub report: Report,
 }
@@ -87,6 +92,9 @@ pub(crate) fn align_with(
     let ring = if control.cyclic { Ends::Loop } else { Ends::Open };
     let clip = blend_clip(&source, &matched, &matching.weights, (ring, &keys.exact), options)?;
     let (best_source, confidence) = most_used(&matching.weights, options.matching_rate);
+    let places = places(given, &lead_ins, &matched);
+    let place = |seconds: &f32| (f64::from(*seconds) * options.matching_rate).round() as usize;
+    let used = best_source.iter().filter_map(|seconds| places.get(place(seconds)).copied()).collect();
     clock.stage("reconstruction");
     let quality = Quality::of(&source, &clip, &layout, (&features, &columns), (&drawn, &rows), options)?;
     let heard = control.heard.as_ref().map(|heard| -> Result<SoundFit, AlignError> {
@@ -125,7 +133,7 @@ pub(crate) fn align_with(
         levels: matching.levels,
     };
     report.notes = notes(&report, options);
-    Ok(Alignment { clip, source, plan: matching.plan, best_source, confidence, report })
+    Ok(Alignment { clip, source, plan: matching.plan, best_source, confidence, used, lead_ins, report })
 }
 
 /// Wall time of the stages of a run.

@@ -37,7 +37,7 @@ pub use alignment::{Alignment, MOST_FRAMES, align};
 pub use comparison::Comparison;
 pub use control::{Control, ControlKind, CurveOptions, SoundOptions};
 pub use error::AlignError;
-pub use explain::{Alternative, alternatives};
+pub use explain::{Alternative, Explanation, alternatives};
 pub use keys::{Key, Keys, Place};
 pub use layout::{Layout, Run};
 pub use options::{Norm, Options, Preset};

@@ -42,6 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         heat_map: plan(&places, 240),
         best_source: &seconds,
         confidence: &confidence,
+        guide: None,
         figures: &figures,
         notes: &["The first 12 frames of the clip are a rest pose and were left out.".to_owned()],
     });

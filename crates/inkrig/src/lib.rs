@@ -29,6 +29,7 @@ pub mod commands;
 mod companion;
 pub mod console;
 pub mod error;
+mod guide;
 pub mod load;
 pub mod names;
 mod numbers;

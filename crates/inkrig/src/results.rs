@@ -2,6 +2,7 @@
 
 use crate::console::Console;
 use crate::error::CliError;
+use crate::preview::Guide;
 use crate::{load, show};
 use inkrig_align::{Alignment, Control};
 use inkrig_formats::{ExportOptions, Format, SourceInfo, write_motion};
@@ -19,6 +20,8 @@ pub(crate) struct Made<'a> {
     pub(crate) control: &'a Control,
     /// How the source was written, and so how the result is.
     pub(crate) source: &'a SourceInfo,
+    /// What the page says of why.
+    pub(crate) guide: Option<&'a Guide>,
 }
 
 /// Where it goes.
@@ -74,7 +77,7 @@ pub(crate) fn write<R: Serialize>(
     }
     if let Some(path) = places.preview {
         let _stage = console.stage("making the preview");
-        files.push((path, show::page(made.title, alignment, control).into_bytes()));
+        files.push((path, show::page(made.title, alignment, control, made.guide).into_bytes()));
     }
     if let Some(path) = places.sheet {
         let _stage = console.stage("drawing the sheet");

@@ -1,10 +1,10 @@
 //! A result for people: words, a page, a contact sheet.
 
-use crate::preview::{self, ControlView, Figure, HeatMap, Preview};
+use crate::preview::{self, ControlView, Figure, Guide, HeatMap, Preview};
 use crate::printable::{self, counted, fixed};
 use crate::sheet::{SheetError, SheetOptions, contact_sheet};
 use crate::span::seconds;
-use inkrig_align::{Alignment, Control, ControlKind};
+use inkrig_align::{AMBIGUOUS, Alignment, Control, ControlKind};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -29,7 +29,7 @@ pub(crate) fn summary(alignment: &Alignment, out: &Path) -> String {
 }
 
 /// The preview page.
-pub(crate) fn page(title: &str, alignment: &Alignment, control: &Control) -> String {
+pub(crate) fn page(title: &str, alignment: &Alignment, control: &Control, guide: Option<&Guide>) -> String {
     let points = points(control);
     let (width, height) = (alignment.plan.cols().min(400), alignment.plan.rows().min(400));
     preview::render(&Preview {
@@ -41,6 +41,7 @@ pub(crate) fn page(title: &str, alignment: &Alignment, control: &Control) -> Str
         heat_map: HeatMap { width, height, values: alignment.plan.heat_map(width, height) },
         best_source: &alignment.best_source,
         confidence: &alignment.confidence,
+        guide,
         figures: &figures(alignment),
         notes: &alignment.report.notes,
     })
@@ -115,6 +116,15 @@ fn figures(alignment: &Alignment) -> Vec<Figure> {
             "standing still",
             percent(report.freeze),
             format!("share of the time; {} in the clip", percent(report.freeze_source)),
+        ),
+        figure(
+            "mirror image",
+            percent(report.mirror_symmetry),
+            if report.mirror_symmetry >= AMBIGUOUS {
+                "how much the control is its own: ambiguous, --mirror and --solutions show others".to_string()
+            } else {
+                "how much the control is its own; little is ambiguous".to_string()
+            },
         ),
         figure(
             "solved in",

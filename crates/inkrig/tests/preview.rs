@@ -5,7 +5,7 @@
 mod walker;
 
 use inkrig::{
-    preview::{ControlView, Figure, HeatMap, Preview, render},
+    preview::{ControlView, Figure, Guide, HeatMap, Part, Preview, Spot, render},
     sheet::{MOST_PIXELS, SheetError, SheetOptions, contact_sheet},
 };
 use inkrig_motion::{
@@ -43,6 +43,7 @@ impl Parts {
             heat_map: self.heat.clone(),
             best_source: &self.best,
             confidence: &self.confidence,
+            guide: None,
             figures,
             notes,
         }
@@ -163,8 +164,9 @@ fn odd_input_gives_finite_numbers() {
         let page = render(&preview);
         let data = data(&page);
         let text = data.to_string();
-        let nulls = text.matches("null").count() - usize::from(data["result"]["pair"].is_null());
-        assert_eq!(nulls, usize::from(data["source"]["pair"].is_null()), "{text}");
+        let absent = [&data["result"]["pair"], &data["source"]["pair"], &data["guide"]];
+        let absent = absent.iter().filter(|value| value.is_null()).count();
+        assert_eq!(text.matches("null").count(), absent, "{text}");
         assert!(!text.contains("NaN") && !text.contains("inf"));
         let origins = floats(data["result"]["track"]["origins"].as_str().unwrap());
         assert!(!origins.is_empty() && origins.iter().all(|value| value.is_finite()));
@@ -264,4 +266,34 @@ fn sheets_have_limits() {
     ] {
         assert!(matches!(contact_sheet(&clip, &wrong), Err(SheetError::Option { .. })), "{wrong:?}");
     }
+}
+
+#[test]
+fn a_guide_is_sent_and_its_text_stays_text() {
+    let parts = Parts::of(walker::walk(60));
+    let spot = |frame: usize| Spot {
+        frame: 100 + frame,
+        seconds: frame as f64 / 30.0,
+        place: [frame as f64, f64::NAN],
+    };
+    let guide = Guide {
+        rate: 30.0,
+        frames: (100..160).collect(),
+        clips: vec![Part { name: HOSTILE.into(), seconds: 0.0 }, Part { name: "run".into(), seconds: 1.0 }],
+        map: (0..60).map(spot).collect(),
+        stress: 0.25,
+        candidates: vec![(spot(7), 0.75), (spot(40), 0.25)],
+    };
+    let page = render(&Preview { guide: Some(&guide), ..parts.preview("walk", &[], &[]) });
+    assert!(!page.contains("alert(1)</script>"), "markup got through");
+    let told = &data(&page)["guide"];
+    assert_eq!(told["clips"][0][0], HOSTILE.chars().take(64).collect::<String>());
+    assert_eq!((&told["frames"][59], &told["candidates"][0][0][0]), (&159.into(), &107.into()));
+    assert_eq!(told["map"][3], serde_json::json!([103, 0.1, 3.0, 0.0]), "what is not finite is 0");
+    assert_eq!(told["candidates"][1][1], 0.25);
+    assert!(data(&parts.page())["guide"].is_null());
+    // However long the source is.
+    let long = Guide { map: (0..100_000).map(spot).collect(), ..guide };
+    let page = render(&Preview { guide: Some(&long), ..parts.preview("walk", &[], &[]) });
+    assert!(page.len() < 600_000, "{} bytes", page.len());
 }

@@ -12,5 +12,6 @@ mod on_map;
 pub use candidates::{Candidate, candidates};
 pub(crate) use embedding::principal_axes;
 pub use map::{MapFrame, MotionMap};
+pub(crate) use moments::places;
 pub use moments::{Moment, Moments};
 pub use on_map::keys_on_map;

@@ -163,7 +163,7 @@ impl Moments {
 }
 
 /// Where every matched frame comes from.
-fn places(source: &Takes, lead_ins: &[usize], matched: &Takes) -> Vec<Moment> {
+pub(crate) fn places(source: &Takes, lead_ins: &[usize], matched: &Takes) -> Vec<Moment> {
     let rate = source.clip().frame_rate();
     let step = frames_per_sample(rate, matched.clip().frame_rate());
     let takes = source.ranges().zip(lead_ins).zip(matched.ranges()).enumerate();

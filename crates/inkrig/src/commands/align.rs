@@ -2,11 +2,12 @@
 
 use super::control::control;
 use super::keys;
-use super::record::Record;
+use super::record::{Explained, Record};
 use super::settings::options;
 use crate::cli::AlignArgs;
 use crate::console::Console;
 use crate::error::CliError;
+use crate::guide::{CANDIDATES, Suggestions, guide};
 use crate::output::Output;
 use crate::results::{self, Made, Places};
 use crate::{load, names, printable, span};
@@ -32,12 +33,24 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
         // Before anything is told or shown of it, so that all results are of the clip that is written.
         alignment.clip = time::resample(&alignment.clip, rate)?;
     }
-    let made = Made { title: &title(args), alignment: &alignment, control: &control, source: &first };
+    let suggestions = Suggestions::of(&source, &options, CANDIDATES)?;
+    let first_frame = keys::first_frame(args, source.clip().frame_rate());
+    let guide = guide(&alignment, &suggestions, &options, &clip_names(args), first_frame);
+    let made = Made {
+        title: &title(args),
+        alignment: &alignment,
+        control: &control,
+        source: &first,
+        guide: Some(&guide),
+    };
     let record = results::write(
         &made,
         args.places(),
         console,
-        |more| Record::of(args, &options, &alignment, [warnings, more].concat()),
+        |more| {
+            let explained = Explained::of(&alignment, &options, &suggestions, first_frame);
+            Record::of(args, &options, &alignment, explained, [warnings, more].concat())
+        },
         &mut |path, bytes| Ok(output.write(path, bytes)?),
     )?;
     console.result(&record)
@@ -124,12 +137,17 @@ fn check_names(args: &AlignArgs, output: Output) -> Result<(), CliError> {
 }
 
 fn title(args: &AlignArgs) -> String {
-    let name =
-        |path: &Path| path.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let clips: Vec<String> = args.clips.iter().map(|path| name(path)).collect();
     let control = match args.control.file() {
         Some(path) => name(&path),
         None => args.control.text().unwrap_or_default().to_string(),
     };
-    format!("{} follows {control}", clips.join(", "))
+    format!("{} follows {control}", clip_names(args).join(", "))
+}
+
+fn clip_names(args: &AlignArgs) -> Vec<String> {
+    args.clips.iter().map(|path| name(path)).collect()
+}
+
+fn name(path: &Path) -> String {
+    path.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }

@@ -4,6 +4,7 @@ use super::demo_files::DemoFiles;
 use crate::cli::DemoArgs;
 use crate::console::Console;
 use crate::error::CliError;
+use crate::guide::{CANDIDATES, Suggestions, guide};
 use crate::printable::{self, json_path};
 use crate::results::{self, Made, Places};
 use inkrig_align::{Control, CurveOptions, Options, align};
@@ -79,11 +80,20 @@ impl Scene {
             .map_err(|error| CliError::Format { path: source.clone(), cause: Box::new(error) })?;
         let control = self.control(&drawing)?;
         let bar = console.bar(format!("aligning {}", self.motion.name));
-        let takes = import.clip.into();
-        let alignment = align(&takes, &control, &Options::default(), &mut |progress| bar.update(progress))?;
+        let (takes, options) = (import.clip.into(), Options::default());
+        let alignment = align(&takes, &control, &options, &mut |progress| bar.update(progress))?;
         bar.finish()?;
         let title = format!("{} follows {}", self.motion.name, self.curve.name);
-        let made = Made { title: &title, alignment: &alignment, control: &control, source: &import.source };
+        let suggestions = Suggestions::of(&takes, &options, CANDIDATES)?;
+        let names = [self.motion.name.to_string()];
+        let guide = guide(&alignment, &suggestions, &options, &names, 0);
+        let made = Made {
+            title: &title,
+            alignment: &alignment,
+            control: &control,
+            source: &import.source,
+            guide: Some(&guide),
+        };
         let [motion, preview, sheet] = self.results().map(|name| files.path(&name));
         let places = Places { motion: &motion, report: None, preview: Some(&preview), sheet: Some(&sheet) };
         results::write(&made, places, console, |_| (), &mut |path, bytes| {

@@ -38,10 +38,7 @@ pub(super) fn all(args: &AlignArgs) -> Result<Vec<Key>, CliError> {
 /// Frames are counted in the file; the engine counts from where `--range` begins. With several clips they are counted
 /// through what is left of all of them.
 pub(super) fn count_from_range(keys: &mut [Key], args: &AlignArgs, rate: f64) -> Result<(), CliError> {
-    let start = match args.range.and_then(|range| range.start) {
-        Some(start) if args.clips.len() == 1 => start.frames(rate),
-        _ => return Ok(()),
-    };
+    let start = first_frame(args, rate);
     for key in keys {
         let (Key::Soft { frame, .. } | Key::Hard { frame, .. } | Key::Never { frame, .. }) = key;
         *frame = frame.checked_sub(start).ok_or_else(|| CliError::Key {
@@ -50,6 +47,14 @@ pub(super) fn count_from_range(keys: &mut [Key], args: &AlignArgs, rate: f64) ->
         })?;
     }
     Ok(())
+}
+
+/// The number of the first frame that the engine sees, as keys call it.
+pub(super) fn first_frame(args: &AlignArgs, rate: f64) -> usize {
+    match args.range.and_then(|range| range.start) {
+        Some(start) if args.clips.len() == 1 => start.frames(rate),
+        _ => 0,
+    }
 }
 
 fn key(text: &str) -> Option<Key> {

@@ -1,9 +1,10 @@
 //! The report file: the numbers first, flat, then all that is needed to make the result again.
 
 use crate::cli::{AlignArgs, PresetArg, Up};
+use crate::guide::{CandidateFacts, Suggestions, round};
 use crate::printable::json_path;
 use crate::span::seconds;
-use inkrig_align::{Alignment, Options};
+use inkrig_align::{AMBIGUOUS, Alignment, Explanation, Options};
 use serde::Serialize;
 
 /// What `--report` and `--json` hold; the names are stable.
@@ -22,6 +23,8 @@ pub(super) struct Record<'a> {
     /// Keys given on the command line.
     keys: Vec<String>,
     outputs: Vec<String>,
+    #[serde(flatten)]
+    explained: Explained,
     /// What was odd in the inputs, and what the output could not hold.
     warnings: Vec<String>,
     parameters: Parameters,
@@ -33,6 +36,7 @@ impl<'a> Record<'a> {
         args: &AlignArgs,
         options: &Options,
         alignment: &'a Alignment,
+        explained: Explained,
         warnings: Vec<String>,
     ) -> Self {
         let clip = &alignment.clip;
@@ -46,8 +50,41 @@ impl<'a> Record<'a> {
             control: args.control.text().map(str::to_string),
             keys: args.keys.iter().chain(&args.nevers).cloned().collect(),
             outputs: args.places().all().map(json_path).collect(),
+            explained,
             warnings,
             parameters: Parameters::of(args, options),
+        }
+    }
+}
+
+/// Why the result is as it is, and what else may be asked for.
+#[derive(Serialize)]
+pub(super) struct Explained {
+    /// Whether the control is so nearly its own mirror image that other solutions fit as well.
+    ambiguous: bool,
+    /// Which frame of the source every sample of the result uses most, and how surely.
+    used: Explanation,
+    /// Poses worth a keyframe.
+    candidates: Vec<CandidateFacts>,
+    /// How much of the clip's distances its map does not show: where `x` and `y` of candidates are.
+    map_stress: f64,
+}
+
+impl Explained {
+    /// What is said of a result; frames are counted from `first_frame`.
+    pub(super) fn of(
+        alignment: &Alignment,
+        options: &Options,
+        suggestions: &Suggestions,
+        first_frame: usize,
+    ) -> Self {
+        let mut used = Explanation::of(alignment, options);
+        used.frame.iter_mut().for_each(|frame| *frame += first_frame);
+        Self {
+            ambiguous: alignment.report.mirror_symmetry >= AMBIGUOUS,
+            used,
+            candidates: suggestions.facts(first_frame),
+            map_stress: round(suggestions.map.stress, 4),
         }
     }
 }

@@ -4,10 +4,12 @@
 pub(crate) mod body;
 mod digest;
 mod encode;
+mod guide;
 mod payload;
 pub(crate) mod sides;
 pub(crate) mod track;
 
+pub use guide::{Guide, Part, Spot};
 use inkrig_motion::Clip;
 pub(crate) use payload::normalised;
 
@@ -26,10 +28,12 @@ pub struct Preview<'a> {
     pub control_rate: f64,
     /// The plan: how much of each moment of the source each moment of the control uses.
     pub heat_map: HeatMap,
-    /// For every control frame the moment of the source that is used most, seconds.
+    /// For every control frame (or sample of the guide) the moment of the source that is used most, seconds.
     pub best_source: &'a [f32],
-    /// For every control frame how sure the plan is, 0 to 1. May be empty.
+    /// For each of them how sure the plan is, 0 to 1. May be empty.
     pub confidence: &'a [f32],
+    /// What helps to understand the result; without it the page shows no map.
+    pub guide: Option<&'a Guide>,
     /// Figures of the report, in the order they are shown.
     pub figures: &'a [Figure],
     /// Warnings, one sentence each.
@@ -91,8 +95,10 @@ const SCRIPT: &str = concat!(
     include_str!("page/colour.js"),
     include_str!("page/curve.js"),
     include_str!("page/plan.js"),
+    include_str!("page/map.js"),
     include_str!("page/camera.js"),
     include_str!("page/stage.js"),
+    include_str!("page/guide.js"),
     include_str!("page/player.js"),
     include_str!("page/page.js"),
     "})();\n",

@@ -4,6 +4,7 @@ use super::{
     ControlView, HeatMap, Preview,
     body::{Body, Limb},
     encode::{base64, decimals, shorten},
+    guide::GuideData,
     track::Track,
 };
 use inkrig_motion::Clip;
@@ -29,8 +30,11 @@ pub(super) struct Payload {
     result_frames: usize,
     control_rate: f64,
     control: Control,
+    /// Samples a second of what follows.
+    sample_rate: f64,
     best_source: Vec<f64>,
     confidence: Vec<f64>,
+    guide: Option<GuideData>,
     heat_map: Heat,
     result: Character,
     source: Character,
@@ -70,6 +74,8 @@ impl Payload {
         let step = points.len().div_ceil(MOST_CONTROL_FRAMES).max(1);
         let rate = if preview.control_rate.is_normal() { preview.control_rate.abs() } else { 1.0 };
         let control_seconds = points.len().saturating_sub(1) as f64 / rate;
+        let sample_rate = preview.guide.map_or(rate, |guide| guide.rate);
+        let stride = preview.best_source.len().div_ceil(MOST_CONTROL_FRAMES).max(1);
         let mut notes: Vec<String> =
             preview.notes.iter().take(MOST_LINES).map(|note| shorten(note, 2000)).collect();
         let (result, source) = (
@@ -84,8 +90,10 @@ impl Payload {
             result_frames: preview.result.frames(),
             control_rate: decimals(rate / step as f64, 6),
             control: Control::Curve { points: normalised(points, step) },
-            best_source: thinned(preview.best_source, step, 3),
-            confidence: thinned(preview.confidence, step, 3)
+            sample_rate: decimals(sample_rate / stride as f64, 6),
+            guide: preview.guide.map(|guide| GuideData::of(guide, stride)),
+            best_source: thinned(preview.best_source, stride, 3),
+            confidence: thinned(preview.confidence, stride, 3)
                 .iter()
                 .map(|value| value.clamp(0.0, 1.0))
                 .collect(),

@@ -61,6 +61,7 @@ class CurveView {
     }
     context.lineCap = "round";
     context.lineJoin = "round";
+    this.drawDoubt(context);
     context.lineWidth = 4.5;
     for (let i = 0; i + 1 < places.length;) {
       const colour = this.colour(i);
@@ -79,10 +80,27 @@ class CurveView {
     context.stroke();
   }
 
+  /** A band around the line: the wider, the less sure the plan is there. */
+  drawDoubt(context) {
+    if (this.data.confidence.length === 0) return;
+    for (let i = 0; i + 1 < this.places.length; i += 1) {
+      const doubt = 1 - confidenceAt(this.data, (i + 0.5) / this.data.controlRate);
+      if (doubt < 0.04) continue;
+      // Opaque, since overlapping ends would show.
+      context.strokeStyle = css(mix(this.colour(i), this.theme.panel, 0.78));
+      context.lineWidth = 4.5 + 18 * doubt;
+      context.beginPath();
+      context.moveTo(...this.places[i]);
+      context.lineTo(...this.places[i + 1]);
+      context.stroke();
+    }
+  }
+
   colour(index) {
     const best = this.data.bestSource;
     if (best.length === 0) return this.theme.accent;
-    return rampAt(this.table, sourcePart(this.data, best[Math.min(index, best.length - 1)]));
+    const sample = Math.round((index / this.data.controlRate) * this.data.sampleRate);
+    return rampAt(this.table, sourcePart(this.data, best[Math.min(sample, best.length - 1)]));
   }
 
   draw(seconds) {
@@ -99,6 +117,16 @@ class CurveView {
     disc(context, at, 10);
     context.fillStyle = css(colour);
     disc(context, at, 7);
+  }
+
+  /** The time of the curve under the pointer, or null where there is none. */
+  timeUnder(x, y) {
+    let [best, least] = [null, 14];
+    this.places.forEach((place, i) => {
+      const apart = Math.hypot(place[0] - x, place[1] - y);
+      if (apart < least) [best, least] = [i / this.data.controlRate, apart];
+    });
+    return best;
   }
 
   /** The time whose point is nearest to a place; among crossings the one nearest in time. */

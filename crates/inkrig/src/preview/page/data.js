@@ -60,15 +60,22 @@ function poseAt(track, seconds, origin) {
 function sourceAt(data, seconds) {
   const best = data.bestSource;
   if (best.length === 0) return null;
-  const [low, high, part] = around(seconds, data.controlRate, best.length);
+  const [low, high, part] = around(seconds, data.sampleRate, best.length);
   // A cut is a cut: only what flows on is interpolated.
-  const flows = Math.abs(best[high] - best[low]) < 4 / data.controlRate;
+  const flows = Math.abs(best[high] - best[low]) < 4 / data.sampleRate;
   return flows ? best[low] + (best[high] - best[low]) * part : best[part < 0.5 ? low : high];
+}
+
+/** The frame of the source that is used most at a time of the drawing, or null. */
+function frameAt(data, seconds) {
+  if (data.guide === null || data.guide.frames.length === 0) return null;
+  const [low, high, part] = around(seconds, data.sampleRate, data.guide.frames.length);
+  return data.guide.frames[part < 0.5 ? low : high];
 }
 
 function confidenceAt(data, seconds) {
   if (data.confidence.length === 0) return null;
-  const [low, high, part] = around(seconds, data.controlRate, data.confidence.length);
+  const [low, high, part] = around(seconds, data.sampleRate, data.confidence.length);
   return data.confidence[low] + (data.confidence[high] - data.confidence[low]) * part;
 }
 

@@ -6,7 +6,9 @@ const views = {
   curve: new CurveView(element("curve"), data),
   stage: new StageView(element("stage"), data),
   plan: new PlanView(element("plan"), data),
+  map: new MapView(element("map"), data),
 };
+views.guide = new GuideView(data, views.map, showPicked);
 const player = new Player(data.seconds, Math.min(data.resultRate, data.result.track.rate), requestDraw);
 let drawPending = false;
 
@@ -32,6 +34,10 @@ function fillTexts() {
   for (const key of document.querySelectorAll(".key")) key.hidden = !data.result.pair;
   document.querySelector(".plan").classList.toggle("empty", data.heatMap.values.length === 0);
   element("ramp").parentElement.hidden = data.bestSource.length === 0;
+  element("unsure").hidden = data.confidence.length === 0;
+  element("clip").hidden = views.map.spots.length === 0;
+  document.querySelector("main").classList.toggle("guided", views.map.spots.length > 0);
+  showMapText(null);
   fillReport();
 }
 
@@ -101,7 +107,43 @@ function drawNow(now) {
   element("swatch").style.background = css(rampAt(views.plan.table, sourcePart(data, moment)));
   const confidence = confidenceAt(data, now);
   const sure = confidence === null ? "" : `, confidence ${Math.round(100 * confidence)} %`;
-  element("now").textContent = `from clip time ${formatSeconds(moment)}${sure}`;
+  const frame = frameAt(data, now);
+  const which = frame === null ? "" : `, frame ${frame}${clipName(data, moment)}`;
+  element("now").textContent = `from clip time ${formatSeconds(moment)}${which}${sure}`;
+}
+
+/** Shows the picked moment's pose beside the result. */
+function showPicked() {
+  views.stage.peek = views.guide.picked?.seconds ?? null;
+  requestDraw();
+}
+
+function showMapText(spot) {
+  const stress = data.guide === null ? 0 : data.guide.stress;
+  element("map-text").textContent = spot === null
+    ? `near is alike (stress ${stress.toFixed(2)})`
+    : views.guide.describe(spot);
+}
+
+/** What the drawing means under the pointer. */
+function showTip(event) {
+  const tip = element("tip");
+  const { curve } = views;
+  const seconds = event.buttons === 0 ? curve.timeUnder(event.offsetX, event.offsetY) : null;
+  const moment = seconds === null ? null : sourceAt(data, seconds);
+  tip.hidden = moment === null;
+  views.map.hovered = moment;
+  requestDraw();
+  if (moment === null) return;
+  const frame = frameAt(data, seconds);
+  const confidence = confidenceAt(data, seconds);
+  const words = [`${formatSeconds(seconds)}: clip ${formatSeconds(moment)}`];
+  if (frame !== null) words.push(`frame ${frame}${clipName(data, moment)}`);
+  if (confidence !== null) words.push(`${Math.round(100 * confidence)} % sure`);
+  tip.textContent = words.join(", ");
+  const { width } = curve.surface;
+  tip.style.left = `${clamp(event.offsetX + 14, 8, Math.max(width - tip.offsetWidth - 8, 8))}px`;
+  tip.style.top = `${Math.max(event.offsetY - tip.offsetHeight - 10, 8)}px`;
 }
 
 function listenToButtons() {
@@ -112,6 +154,7 @@ function listenToButtons() {
   element("ghost").addEventListener("click", toggleGhost);
   element("home").addEventListener("click", resetView);
   element("speeds").addEventListener("change", (event) => { player.speed = Number(event.target.value); });
+  element("copy").addEventListener("click", () => views.guide.copy());
   element("time").addEventListener("input", (event) => player.seek(Number(event.target.value)));
 }
 
@@ -134,6 +177,16 @@ function resetView() {
 function listenToPointer() {
   const { stage, curve, plan } = views;
   onDrag(curve.canvas, (event) => player.seek(curve.timeAt(event.offsetX, event.offsetY, player.now)));
+  curve.canvas.addEventListener("pointermove", showTip);
+  curve.canvas.addEventListener("pointerleave", () => {
+    element("tip").hidden = true;
+    views.map.hovered = null;
+    requestDraw();
+  });
+  const { map, guide } = views;
+  map.canvas.addEventListener("pointermove", (event) => showMapText(map.spotAt(event.offsetX, event.offsetY)));
+  map.canvas.addEventListener("pointerleave", () => showMapText(null));
+  map.canvas.addEventListener("click", (event) => guide.pick(map.spotAt(event.offsetX, event.offsetY)));
   onDrag(plan.canvas, (event) => player.seek(plan.timeAt(event.offsetX)));
   onDrag(stage.canvas, (event, first) => {
     if (!first) stage.camera.orbit(event.movementX * 0.008, event.movementY * 0.006);
@@ -176,6 +229,7 @@ function onKey(event) {
     l: toggleLoop,
     g: toggleGhost,
     r: resetView,
+    Escape: () => views.guide.pick(null),
     q: () => camera.orbit(-0.15, 0),
     e: () => camera.orbit(0.15, 0),
     "+": () => camera.zoom(1 / 1.12),

@@ -46,6 +46,7 @@ class PlanView {
       context.drawImage(image, left, top, this.x(this.controlSeconds()) - left, height);
     }
     context.restore();
+    this.drawCuts(context);
     this.drawClipAxis(context);
     this.drawConfidence(context);
     this.drawDrawingAxis(context);
@@ -99,6 +100,22 @@ class PlanView {
     context.restore();
   }
 
+  /** Where one clip of several begins, with its name. */
+  drawCuts(context) {
+    if (this.data.guide === null || this.data.guide.clips.length < 2) return;
+    const { left, width } = this.box;
+    context.font = "11px system-ui, sans-serif";
+    context.textAlign = "left";
+    context.textBaseline = "bottom";
+    for (const [name, start] of this.data.guide.clips) {
+      const y = this.y(sourcePart(this.data, start));
+      context.fillStyle = css(this.theme.ink, 0.35);
+      if (start > 0) context.fillRect(left, y - 0.5, width, 1);
+      context.fillStyle = css(this.theme.soft);
+      context.fillText(name, left + 6, y - 3, width - 12);
+    }
+  }
+
   drawDrawingAxis(context) {
     const { left, top, width, height } = this.box;
     const y = top + height + STRIP + 20;
@@ -126,8 +143,8 @@ class PlanView {
     const foot = top + height + 6 + STRIP;
     context.beginPath();
     context.moveTo(left, foot);
-    values.forEach((value, i) => context.lineTo(this.x(i / this.data.controlRate), foot - STRIP * value));
-    context.lineTo(this.x((values.length - 1) / this.data.controlRate), foot);
+    values.forEach((value, i) => context.lineTo(this.x(i / this.data.sampleRate), foot - STRIP * value));
+    context.lineTo(this.x((values.length - 1) / this.data.sampleRate), foot);
     context.closePath();
     context.fillStyle = css(this.theme.soft, 0.35);
     context.fill();

@@ -6,6 +6,8 @@ class StageView {
     this.data = data;
     this.camera = new Camera(data.result);
     this.ghost = true;
+    /** A moment of the clip to show instead of the one that is used now, seconds; or null. */
+    this.peek = null;
     this.hasGhost = data.bestSource.length > 0;
     this.spots = [];
   }
@@ -19,7 +21,7 @@ class StageView {
   draw(seconds) {
     const { context, width, height } = this.surface;
     const { result, source } = this.data;
-    const ghost = this.ghost && this.hasGhost;
+    const ghost = this.hasGhost && (this.ghost || this.peek !== null);
     const gap = ghost ? this.camera.gap() : 0;
     this.camera.aim(seconds, gap, width, height);
     context.clearRect(0, 0, width, height);
@@ -28,7 +30,7 @@ class StageView {
     const origin = originAt(result.track, seconds);
     const pose = poseAt(result.track, seconds, origin);
     const figures = [{ character: result, at: origin, pose, tone: (limb) => this.theme[limb.side] }];
-    const moment = sourceAt(this.data, seconds);
+    const moment = this.peek ?? sourceAt(this.data, seconds);
     if (ghost && moment !== null) figures.push(this.ghostFigure(source, moment, gap, figures[0]));
     for (const figure of figures) this.drawShadow(context, figure);
     this.drawLimbs(context, figures);
@@ -149,8 +151,10 @@ class StageView {
     const radius = Math.max(...radii);
     context.beginPath();
     // The links of a dense chain (a tail, a snake) are one body: their rims are at the sides only.
-    if (length > 1.5 * radius) addCapsule(context, from, radii[0] + 1.2, to, radii[1] + 1.2);
-    else addBand(context, from, radii[0] + 1.2, to, radii[1] + 1.2, [nx, ny]);
+    // Thinner where the figure is small.
+    const rim = Math.min(1.2, 0.3 * radius);
+    if (length > 1.5 * radius) addCapsule(context, from, radii[0] + rim, to, radii[1] + rim);
+    else addBand(context, from, radii[0] + rim, to, radii[1] + rim, [nx, ny]);
     context.fillStyle = css(this.theme.panel, 0.8);
     context.fill();
     const [x, y] = [(from.x + to.x) / 2, (from.y + to.y) / 2];
