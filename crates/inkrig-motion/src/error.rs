@@ -77,4 +77,21 @@ pub enum MotionError {
         /// What differs.
         what: String,
     },
+    /// A path that cannot be followed.
+    #[error("the path cannot be followed: {what}")]
+    Path {
+        /// What is wrong, and what to do.
+        what: String,
+    },
+    /// A motion that does not go anywhere cannot be led along a path.
+    #[error(
+        "the motion does not travel: it goes {travelled:.2} m over the ground, and at least {least:.2} m are needed \
+         to lead it along a path; take a clip that walks"
+    )]
+    Still {
+        /// Way over the ground without sway, metres.
+        travelled: f64,
+        /// The least that counts as travel for a character of that size, metres.
+        least: f64,
+    },
 }

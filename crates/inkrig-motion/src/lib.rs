@@ -25,6 +25,7 @@ pub mod channels;
 mod clip;
 mod error;
 mod features;
+pub mod ground;
 pub mod humanml;
 pub mod kinematics;
 pub mod lead_in;
