@@ -1,8 +1,7 @@
 //! How good an alignment is, in numbers that cannot all be gamed at once: structure alone can be had by freezing or
 //! by jumping, nearness alone by repeating one moment.
 
-use inkrig_motion::glam::Quat;
-use inkrig_motion::{Clip, kinematics, root::RootMotion};
+use inkrig_motion::{Clip, kinematics};
 use inkrig_transport::Mat;
 
 /// Correlation of two distance tables of equal size over pairs of patches that share no frame.
@@ -132,26 +131,6 @@ impl Dynamics {
     /// Mean speed of the joints, metres a second.
     pub fn speed_mean(&self) -> f64 {
         self.speeds.iter().map(|&speed| f64::from(speed)).sum::<f64>() / self.speeds.len().max(1) as f64
-    }
-
-    /// For a clip that shall loop: the mean distance of joints from the last pose to the first, over the median of the
-    /// clip's own steps. A loop may travel and turn: the first pose is taken as it comes after the last, turned on at
-    /// the rate that the clip has at its ends.
-    pub fn seam(&self, clip: &Clip, travel_joint: usize) -> f64 {
-        let last = clip.frames() - 1;
-        if last == 0 {
-            return 0.0;
-        }
-        let positions = kinematics::positions(clip).relative_to(travel_joint);
-        let headings = RootMotion::of_joint(&clip.clone().into(), travel_joint).headings;
-        let rate = 0.5 * (headings[last] - headings[last - 1] + headings[1] - headings[0]);
-        let turn_on = Quat::from_rotation_y(headings[last] + rate - headings[0]);
-        let pairs = positions.frame(0).iter().zip(positions.frame(last));
-        let step = pairs.map(|(first, last)| f64::from(last.distance(turn_on * *first))).sum::<f64>()
-            / positions.joints() as f64;
-        let mut speeds = self.speeds.clone();
-        let median = f64::from(quantile(&mut speeds, 0.5)) / clip.frame_rate();
-        if median > 0.0 { step / median } else { 0.0 }
     }
 
     /// Share of steps slower than `speed` metres a second.

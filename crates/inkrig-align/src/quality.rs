@@ -5,7 +5,7 @@ use crate::patches::{PatchScratch, normalised_self_distances, patch_distances};
 use crate::pyramid::{close_loop, resample_frames};
 use crate::reconstruct::frames_per_sample;
 use crate::{AlignError, Layout, Norm, Options};
-use inkrig_motion::{Clip, FeatureLayout, Features, Takes, time};
+use inkrig_motion::{Clip, FeatureLayout, Features, Takes, cycle, time};
 use inkrig_transport::Mat;
 use serde::Serialize;
 
@@ -90,7 +90,7 @@ impl Quality {
             jerk_ratio: ratio(moves.jerk, original.jerk),
             freeze: moves.slower_than(slow),
             freeze_source: original.slower_than(slow),
-            loop_seam_ratio: rows.is_cyclic().then(|| moves.seam(result, travel)),
+            loop_seam_ratio: if rows.is_cyclic() { Some(cycle::seam_ratio(result)?) } else { None },
         })
     }
 }

@@ -94,4 +94,17 @@ pub enum MotionError {
         /// The least that counts as travel for a character of that size, metres.
         least: f64,
     },
+    /// A loop that cannot be made of a clip of this length.
+    #[error(
+        "a loop of {frames} frames cannot be made of a clip of {got}: at least {needed} are needed, and a loop has 4 or \
+         more; ask for another length, or give a longer clip"
+    )]
+    LoopLength {
+        /// Frames that were asked for.
+        frames: usize,
+        /// Frames that the clip needs.
+        needed: usize,
+        /// Frames that it has.
+        got: usize,
+    },
 }

@@ -23,6 +23,7 @@
 
 pub mod channels;
 mod clip;
+pub mod cycle;
 mod error;
 mod features;
 pub mod ground;

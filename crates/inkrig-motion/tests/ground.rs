@@ -3,6 +3,8 @@
 
 #[path = "ground/build.rs"]
 mod build;
+#[path = "ground/loops.rs"]
+mod loops;
 #[path = "ground/paths.rs"]
 mod paths;
 #[path = "ground/root_bones.rs"]

@@ -117,6 +117,13 @@ pub enum CliError {
         /// Where and what.
         cause: String,
     },
+    /// A path's shape that cannot be understood.
+    #[error("--path {}: not a number of degrees from -36000 to 36000", printable::text(text))]
+    #[diagnostic(help("a file, straight, arc:90 (to the left, arc:-90 to the right), or bend:90"))]
+    Shape {
+        /// What was given.
+        text: String,
+    },
     /// Two results would go to one file, or a result over an input.
     #[error("{} is named twice: every input and result needs a name of its own", printable::path(.0))]
     SameFile(PathBuf),

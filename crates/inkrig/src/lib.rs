@@ -34,6 +34,7 @@ pub mod load;
 pub mod names;
 mod numbers;
 pub mod output;
+mod over_ground;
 pub mod preview;
 pub mod printable;
 mod results;

@@ -21,6 +21,11 @@ pub(crate) fn smooth(text: &str) -> Result<f64, String> {
     within(text, 0.0..=inkrig_sketch::limits::MAX_SIGMA, "frames; 0 is none")
 }
 
+/// Seconds that tell travel from sway.
+pub(crate) fn sway(text: &str) -> Result<f64, String> {
+    within(text, 0.0..=60.0, "seconds; 0 takes every movement as travel")
+}
+
 /// Threads to work with.
 pub(crate) fn threads(text: &str) -> Result<usize, String> {
     within(text, 1..=1024, "threads")

@@ -9,6 +9,8 @@ mod controls;
 mod demo;
 #[path = "cli/files.rs"]
 mod files;
+#[path = "cli/over_ground.rs"]
+mod over_ground;
 #[path = "cli/stop.rs"]
 mod stop;
 #[path = "cli/words.rs"]

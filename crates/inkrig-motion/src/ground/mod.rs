@@ -4,6 +4,7 @@
 //! right. A heading or direction of angle h is (sin h, cos h): 0 is +z, a turn to the left is positive.
 
 mod contacts;
+mod continuation;
 mod follow;
 mod in_place;
 mod line;
@@ -15,6 +16,7 @@ mod spine;
 mod trajectory;
 
 pub use contacts::{Contacts, Slide};
+pub(crate) use continuation::continued;
 pub use follow::{Followed, PathOptions, Route, follow_path};
 pub use in_place::in_place;
 pub use path::GroundPath;

@@ -1,5 +1,6 @@
 //! Travel without sway: the way of a character over the ground, smoothed.
 
+use super::continuation::Continuation;
 use super::low_pass::{REACH, low_pass, low_pass_numbers};
 use super::placement::Placement;
 use super::{size_of, turned};
@@ -90,13 +91,7 @@ fn headings(places: &[Placement]) -> Vec<f64> {
 fn smooth_loop(places: &[DVec2], headings: &[f64], half: usize) -> (Vec<DVec2>, Vec<f64>) {
     let frames = places.len();
     let reach = (REACH * half).min(16 * frames);
-    let last = frames - 1;
-    let rate = 0.5 * (headings[last] - headings[last - 1] + headings[1] - headings[0]);
-    let turn = headings[last] + rate - headings[0];
-    // The step over the seam as the body sees it, between those before and after it.
-    let step =
-        0.5 * (turned(places[last] - places[last - 1], rate) + turned(places[1] - places[0], turn - rate));
-    let next = places[last] + step;
+    let Continuation { turn, next } = Continuation::of(places, headings);
     let on = |point: DVec2| next + turned(point - places[0], turn);
     let back = |point: DVec2| places[0] + turned(point - next, -turn);
     let mut all = places.to_vec();

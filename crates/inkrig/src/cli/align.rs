@@ -1,6 +1,6 @@
 //! What can be said to `inkrig align`.
 
-use super::ImportArgs;
+use super::{ImportArgs, RootArgs};
 use crate::numbers;
 use crate::span::{Length, Span};
 use clap::{Args, ValueEnum, ValueHint};
@@ -21,6 +21,8 @@ Examples:
       a movement that comes and goes, faster and faster
   inkrig align person.bvh --labels 'A:3s B:2s A:3s' --key '4s=frame:320' -o new.bvh
       two kinds of movement in turn; four seconds in, the pose of frame 320 of the clip
+  inkrig align walk.bvh --curve pen.csv --path way.svg --root bone -o new.bvh
+      along a path that is drawn as seen from above, with a root bone for a game engine
 
 Curves: JSON ([[x,y],...] or [[x,y,t],...]), CSV (x,y or x,y,t; n rows without t are n frames of 30 a second), SVG (its paths).";
 
@@ -117,6 +119,9 @@ pub struct AlignArgs {
     #[arg(long, value_parser = numbers::threads, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub threads: Option<usize>,
 
+    #[command(flatten)]
+    /// Where the result goes over the ground.
+    pub root: RootArgs,
     #[command(flatten)]
     /// How to read the clip.
     pub import: ImportArgs,

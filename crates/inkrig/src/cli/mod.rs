@@ -2,9 +2,11 @@
 
 mod align;
 mod bench;
+mod root;
 
 pub use align::{AlignArgs, ControlArgs, NormArg, PresetArg, RotationArg, VelocityArg};
 pub use bench::{BenchAlignArgs, BenchArgs, BenchCommand};
+pub use root::{RootArgs, RootMode};
 
 use crate::numbers;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};

@@ -9,11 +9,12 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::guide::{CANDIDATES, Suggestions, guide};
 use crate::output::Output;
+use crate::over_ground::OverGround;
 use crate::results::{self, Made, Places};
 use crate::{load, names, printable, span};
 use inkrig_align::align;
 use inkrig_formats::{Import, SourceInfo};
-use inkrig_motion::{Clip, MotionError, Takes, time};
+use inkrig_motion::{Clip, MotionError, Takes, cycle, time};
 use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
@@ -22,16 +23,24 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
     options.validate()?;
     options.keys = keys::all(args)?;
     check_names(args, output)?;
+    let over_ground = OverGround::of(&args.root)?;
     let mut warnings = Vec::new();
-    let (source, first) = source(args, console, &mut warnings)?;
+    let (source, mut first) = source(args, console, &mut warnings)?;
     keys::count_from_range(&mut options.keys, args, source.clip().frame_rate())?;
     let control = control(args, &options, |path| Ok(motion(path, args, console, &mut warnings)?.clip))?;
     let bar = console.bar("aligning");
     let mut alignment = align(&source, &control, &options, &mut |progress| bar.update(progress))?;
     bar.finish()?;
+    let (clip, ground) = over_ground.apply(alignment.clip, &mut first, args.cyclic)?;
+    alignment.clip = clip;
+    alignment.report.notes.extend(ground.notes());
     if let Some(rate) = args.fps {
         // Before anything is told or shown of it, so that all results are of the clip that is written.
-        alignment.clip = time::resample(&alignment.clip, rate)?;
+        alignment.clip = if args.cyclic {
+            cycle::resample_loop(&alignment.clip, rate)?
+        } else {
+            time::resample(&alignment.clip, rate)?
+        };
     }
     let suggestions = Suggestions::of(&source, &options, CANDIDATES)?;
     let first_frame = keys::first_frame(args, source.clip().frame_rate());
@@ -49,7 +58,7 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
         console,
         |more| {
             let explained = Explained::of(&alignment, &options, &suggestions, first_frame);
-            Record::of(args, &options, &alignment, explained, [warnings, more].concat())
+            Record::of(args, &options, &alignment, explained, ground, [warnings, more].concat())
         },
         &mut |path, bytes| Ok(output.write(path, bytes)?),
     )?;
@@ -59,7 +68,13 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
 impl AlignArgs {
     /// Files that are read.
     pub(super) fn inputs(&self) -> Vec<PathBuf> {
-        self.clips.iter().cloned().chain(self.control.file()).chain(self.key_file.clone()).collect()
+        self.clips
+            .iter()
+            .cloned()
+            .chain(self.control.file())
+            .chain(self.key_file.clone())
+            .chain(self.root.file())
+            .collect()
     }
 
     /// Files that are written.

@@ -2,6 +2,7 @@
 
 use crate::cli::{AlignArgs, PresetArg, Up};
 use crate::guide::{CandidateFacts, Suggestions, round};
+use crate::over_ground::OverGroundRecord;
 use crate::printable::json_path;
 use crate::span::seconds;
 use inkrig_align::{AMBIGUOUS, Alignment, Explanation, Options};
@@ -16,6 +17,8 @@ pub(super) struct Record<'a> {
     frames: usize,
     frame_rate: f64,
     seconds: f64,
+    /// What carries the travel, and the path.
+    root: OverGroundRecord,
     program: &'static str,
     inputs: Vec<String>,
     /// A wave or labels, where they were given as text.
@@ -37,6 +40,7 @@ impl<'a> Record<'a> {
         options: &Options,
         alignment: &'a Alignment,
         explained: Explained,
+        root: OverGroundRecord,
         warnings: Vec<String>,
     ) -> Self {
         let clip = &alignment.clip;
@@ -45,6 +49,7 @@ impl<'a> Record<'a> {
             frames: clip.frames(),
             frame_rate: clip.frame_rate(),
             seconds: seconds(clip),
+            root,
             program: concat!("inkrig ", env!("CARGO_PKG_VERSION")),
             inputs: args.inputs().iter().map(|path| json_path(path)).collect(),
             control: args.control.text().map(str::to_string),
@@ -98,6 +103,9 @@ struct Parameters {
     length: Option<String>,
     fps: Option<f64>,
     uniform: bool,
+    path: Option<String>,
+    path_scale: Option<f64>,
+    sway: f64,
     #[serde(rename = "loop")]
     cyclic: bool,
     unit: Option<f64>,
@@ -135,6 +143,9 @@ impl Parameters {
             length: args.length.map(|length| length.to_string()),
             fps: args.fps,
             uniform: args.uniform,
+            path: args.root.path.clone(),
+            path_scale: args.root.path_scale,
+            sway: args.root.sway,
             cyclic: args.cyclic,
             unit: args.import.unit,
             up: args.import.up.map(|up| match up {
