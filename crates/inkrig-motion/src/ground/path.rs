@@ -48,6 +48,11 @@ impl GroundPath {
         Ok(Self { points: kept, closed })
     }
 
+    /// The points, without doubled ones; the last of a closed path is the first again.
+    pub fn points(&self) -> &[DVec2] {
+        &self.points
+    }
+
     /// Length from the first point to the last, and back to the first when closed, in the path's units.
     pub fn length(&self) -> f64 {
         self.points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
