@@ -1,6 +1,8 @@
 //! Draws the picture of docs/ground-paths.png: the samples on their own way (grey) and along a given path (light),
 //! seen from above, with the feet that stand (dots): `cargo run --release -p inkrig --example ground_paths -- FILE.png`.
 
+#![allow(clippy::print_stdout, reason = "an example prints its figures")]
+
 use inkrig::formats::{ImportOptions, read_bvh};
 use inkrig::motion::glam::{DVec2, Vec2};
 use inkrig::motion::ground::{

@@ -39,7 +39,8 @@ pub struct Slide {
 
 impl Contacts {
     /// Finds contacts by height and speed: joints without children (toes, paws, tips) that are low and slow for at
-    /// least 0.08 s. Hands that lean on the ground count too; a snake has none.
+    /// least 0.08 s. Hands that lean on the ground count too, and so
+    /// does the tip of a tail that lies still.
     pub fn of(clip: &Clip) -> Self {
         let joints = clip.skeleton().joints();
         let positions = kinematics::positions(clip);
