@@ -30,6 +30,7 @@ pub mod ground;
 pub mod humanml;
 pub mod kinematics;
 pub mod lead_in;
+pub mod rig;
 pub mod root;
 pub mod rotation;
 mod skeleton;
