@@ -160,17 +160,15 @@ def compare(binary, case, patches, rounds):
     return rows
 
 
-def markdown(rows):
-    lines = [
-        "| case | patches | solver | marginals | CPU ms | times ours | objective | row error |",
-        "|---|---:|---|---|---:|---:|---:|---:|",
-    ]
-    for row in rows:
-        lines.append(
-            f"| {row['case']} | {row['patches']} | {row['solver']} | {row['solves']} | {1e3 * row['cpu_seconds']:.1f} "
-            f"| {row['ratio']:.1f} | {row['objective']:.5f} | {row['row_error']:.0e} |"
-        )
-    return "\n".join(lines)
+HEADER = """| case | patches | solver | marginals | CPU ms | times ours | objective | row error |
+|---|---:|---|---|---:|---:|---:|---:|"""
+
+
+def markdown(row):
+    return (
+        f"| {row['case']} | {row['patches']} | {row['solver']} | {row['solves']} | {1e3 * row['cpu_seconds']:.1f} "
+        f"| {row['ratio']:.1f} | {row['objective']:.5f} | {row['row_error']:.0e} |"
+    )
 
 
 def main():
@@ -184,21 +182,29 @@ def main():
     binary = arguments.binary or build()
     warnings.filterwarnings("ignore", module="ot")
     rows = []
+    print(HEADER)
     for case in arguments.cases.split(","):
         for patches in map(int, arguments.patches.split(",")):
-            rows += compare(binary, case, patches, arguments.rounds)
-            print(markdown(rows) if len(rows) < 9 else "\n".join(markdown(rows).splitlines()[-8:]), flush=True)
+            more = compare(binary, case, patches, arguments.rounds)
+            print("\n".join(map(markdown, more)), flush=True)
+            rows += more
     print(f"\nPOT {ot.__version__}, numpy {np.__version__}, one thread each, least of {arguments.rounds} rounds")
     if arguments.json:
         Path(arguments.json).write_text(json.dumps(rows, indent=1))
-    slow = [row for row in rows if row["patches"] == 300 and row["solver"] == "POT entropic fused GW, 50 outer"]
-    for row in slow:
-        ours = next(r for r in rows if r["case"] == row["case"] and r["patches"] == 300)
-        good = row["ratio"] >= 20 and ours["objective"] <= row["objective"]
-        print(f"{row['case']}, 300: {row['ratio']:.0f} times POT's 50 outer iterations' speed, objective "
-              f"{ours['objective']:.5f} against {row['objective']:.5f}: {'holds' if good else 'FAILS'}")
-        if not good:
-            sys.exit(1)
+    sys.exit(0 if all([promise(rows, row) for row in rows]) else 1)
+
+
+def promise(rows, row):
+    """Whether we are 20 times as fast as POT's 50 outer iterations at 300 patches, at no worse an objective."""
+    if row["patches"] != 300 or row["solver"] != "POT entropic fused GW, 50 outer":
+        return True
+    ours = next(other for other in rows if other["case"] == row["case"] and other["patches"] == 300)
+    good = row["ratio"] >= 20 and ours["objective"] <= row["objective"]
+    print(
+        f"{row['case']}, 300 patches: {row['ratio']:.0f} times as fast as POT's entropic fused GW, objective "
+        f"{ours['objective']:.5f} against {row['objective']:.5f}: {'as promised' if good else 'NOT as promised'}"
+    )
+    return good
 
 
 def build():

@@ -1,6 +1,6 @@
 //! The table as people and programs read it.
 
-use super::{Machine, Row};
+use super::{Machine, Method, Row};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -26,34 +26,45 @@ pub struct Table {
     pub failures: Vec<Failure>,
 }
 
-const COLUMNS: [&str; 14] = [
-    "case",
-    "method",
-    "structure",
-    "warp",
-    "gain",
-    "nearest",
-    "coverage",
-    "jump",
-    "speed",
-    "jerk",
-    "freeze",
-    "CPU ms",
-    "wall ms",
-    "misses",
+/// Takes a figure from a row.
+type Figure = fn(&Row) -> f64;
+
+/// What both tables show of a row, in their order.
+const FIGURES: [(&str, Figure); 9] = [
+    ("structure", |row| row.quality.structure_pearson),
+    ("warp", |row| row.quality.structure_pearson_warp),
+    ("gain", |row| row.structure_gain),
+    ("nearest", |row| row.quality.nearest_patch),
+    ("coverage", |row| row.quality.coverage),
+    ("jump", |row| row.quality.jump_q999_ratio),
+    ("speed", |row| row.quality.speed_mean_ratio),
+    ("jerk", |row| row.quality.jerk_ratio),
+    ("freeze", |row| row.quality.freeze),
 ];
 
 impl Table {
-    /// A Markdown table, one line a row, with the machine above and what failed below.
+    /// The machine, means of every method, and all rows, as Markdown tables; below them what failed.
     pub fn markdown(&self) -> String {
-        let mut text = String::new();
+        let figures = FIGURES.map(|(name, _)| name).join(" | ");
+        let marks = "---:|".repeat(FIGURES.len());
+        let mut text = format!("{}; times are the least of {}.\n\n", self.machine, self.repeats);
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{}; times are the least of {}.\n", self.machine, self.repeats);
-        let _ = writeln!(text, "| {} |", COLUMNS.join(" | "));
-        let marks = COLUMNS.map(|name| if LEFT.contains(&name) { "---" } else { "---:" });
-        let _ = writeln!(text, "|{}|", marks.join("|"));
+        let _ = writeln!(
+            text,
+            "| mean of | {figures} | CPU ms | wall ms | without a miss |\n|---|{marks}---:|---:|---:|"
+        );
+        for method in Method::ALL {
+            let rows: Vec<&Row> = self.rows.iter().filter(|row| row.method == method).collect();
+            let good = rows.iter().filter(|row| row.misses.is_empty()).count();
+            let _ = writeln!(text, "| {} | {} | {good} of {} |", method.name(), cells(&rows), rows.len());
+        }
+        let _ = writeln!(
+            text,
+            "\n| case | method | {figures} | CPU ms | wall ms | misses |\n|---|---|{marks}---:|---:|---|"
+        );
         for row in &self.rows {
-            let _ = writeln!(text, "{}", line(row));
+            let (case, method) = (cell(&row.case), row.method.name());
+            let _ = writeln!(text, "| {case} | {method} | {} | {} |", cells(&[row]), row.misses.join(", "));
         }
         for Failure { case, reason } in &self.failures {
             let _ = writeln!(text, "\nNot run: {}: {}", cell(case), cell(reason));
@@ -62,29 +73,16 @@ impl Table {
     }
 }
 
-/// Columns of words.
-const LEFT: [&str; 3] = ["case", "method", "misses"];
-
-fn line(row: &Row) -> String {
-    let quality = &row.quality;
-    let milliseconds = |seconds: f64| format!("{:.0}", 1e3 * seconds);
-    let figures = [
-        quality.structure_pearson,
-        quality.structure_pearson_warp,
-        row.structure_gain,
-        quality.nearest_patch,
-        quality.coverage,
-        quality.jump_q999_ratio,
-        quality.speed_mean_ratio,
-        quality.jerk_ratio,
-        quality.freeze,
-    ];
-    let mut cells = vec![cell(&row.case), row.method.name().to_string()];
-    cells.extend(figures.iter().map(|&figure| decimal(figure)));
-    cells.push(row.spent.cpu_seconds.map_or("-".to_string(), milliseconds));
-    cells.push(milliseconds(row.spent.wall_seconds));
-    cells.push(row.misses.join(", "));
-    format!("| {} |", cells.join(" | "))
+/// Means of all figures and times.
+fn cells(rows: &[&Row]) -> String {
+    let mean =
+        |of: &dyn Fn(&Row) -> f64| rows.iter().map(|row| of(row)).sum::<f64>() / rows.len().max(1) as f64;
+    let mut cells: Vec<String> = FIGURES.iter().map(|(_, figure)| decimal(mean(figure))).collect();
+    let timed = rows.iter().all(|row| row.spent.cpu_seconds.is_some());
+    let cpu = mean(&|row| 1e3 * row.spent.cpu_seconds.unwrap_or_default());
+    cells.push(if timed { format!("{cpu:.0}") } else { "-".to_string() });
+    cells.push(format!("{:.0}", mean(&|row| 1e3 * row.spent.wall_seconds)));
+    cells.join(" | ")
 }
 
 /// Two places, and no minus before a zero.
@@ -101,7 +99,7 @@ fn cell(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::{Method, Spent};
+    use crate::bench::Spent;
     use inkrig_align::Quality;
 
     #[test]
@@ -121,10 +119,15 @@ mod tests {
         let table = Table { machine: Machine::this(1), repeats: 3, rows: vec![row], failures };
         let text = table.markdown();
         let lines: Vec<&str> = text.lines().filter(|line| line.starts_with('|')).collect();
-        assert_eq!(lines.len(), 3);
-        assert!(lines[0].matches('|').count() == 15 && lines[1].matches('|').count() == 15);
-        assert!(lines[2].starts_with("| a\\|b"), "{}", lines[2]);
-        assert!(lines[2].ends_with("| one stage | 0.00 | 0.00 | 0.50 | 0.00 | 0.00 | 0.00 | 0.00 | 0.00 | 0.00 | - | 12 | jump, speed |"));
+        assert_eq!(lines.len(), 2 + 5 + 2 + 1);
+        assert!(lines[..7].iter().all(|line| line.matches('|').count() == 14), "{lines:?}");
+        assert!(
+            lines[3].starts_with("| one stage | 0.00 | 0.00 | 0.50 ") && lines[3].ends_with("| 0 of 1 |")
+        );
+        assert!(lines[2].ends_with("| 0 of 0 |"), "{}", lines[2]);
+        let row = lines[9];
+        assert!(row.starts_with("| a\\|b") && row.matches(" | ").count() == 13, "{row}");
+        assert!(row.ends_with("| one stage | 0.00 | 0.00 | 0.50 | 0.00 | 0.00 | 0.00 | 0.00 | 0.00 | 0.00 | - | 12 | jump, speed |"));
         assert!(text.contains("Not run: x: why"));
     }
 }
