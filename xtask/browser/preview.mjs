@@ -116,7 +116,7 @@ async function drive(tab, canvas, found) {
   }
   await scrub(tab, canvas, found);
   await point(tab, found);
-  await pick(tab, canvas, found);
+  await pick(tab, found);
 }
 
 // Points at the drawing until it says which part of the clip it uses there.
@@ -135,19 +135,20 @@ async function point(tab, found) {
 }
 
 // Picks a suggested pose, by the keyboard, and lets it go again.
-async function pick(tab, canvas, found) {
+async function pick(tab, found) {
+  const stage = tab.locator('#stage');
   const poses = tab.getByRole('button', { name: /^Pose \d+: clip/ });
   if ((await poses.count()) < 2) return void found.push('there are no poses to pick');
   if (await isBlank(tab, await poses.first().locator('canvas').screenshot())) found.push('a pose is blank');
   if (await isBlank(tab, await tab.locator('#map').screenshot())) found.push('the map is blank');
-  const before = await canvas.screenshot();
+  const before = await stage.screenshot();
   await poses.nth(1).focus();
   await tab.keyboard.press('Enter');
   const text = await tab.locator('#key-text').textContent();
   if (!/^--key [\d.]+s~frame:\d+$/.test(text)) found.push(`a picked pose says: ${text}`);
   if ((await poses.nth(1).getAttribute('aria-pressed')) !== 'true') found.push('a picked pose is not pressed');
   await tab.waitForTimeout(MOMENT / 2);
-  if (before.equals(await canvas.screenshot())) found.push('picking a pose changes nothing on the canvas');
+  if (before.equals(await stage.screenshot())) found.push('picking a pose changes nothing on the stage');
   await tab.keyboard.press('Escape');
   if ((await poses.nth(1).getAttribute('aria-pressed')) !== 'false') found.push('a pose cannot be let go');
 }

@@ -31,6 +31,7 @@ pub mod console;
 pub mod error;
 mod guide;
 pub mod load;
+mod map_picture;
 pub mod names;
 mod numbers;
 pub mod output;

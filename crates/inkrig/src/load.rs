@@ -89,7 +89,7 @@ pub fn warnings(findings: &[Finding], path: &Path) -> Vec<String> {
     warnings.map(|finding| format!("{}: {}", printable::path(path), printable::text(finding))).collect()
 }
 
-fn extension(path: &Path) -> Option<String> {
+pub(crate) fn extension(path: &Path) -> Option<String> {
     path.extension().and_then(|extension| extension.to_str()).map(str::to_lowercase)
 }
 

@@ -26,6 +26,16 @@ pub(crate) fn sway(text: &str) -> Result<f64, String> {
     within(text, 0.0..=60.0, "seconds; 0 takes every movement as travel")
 }
 
+/// How many poses are suggested.
+pub(crate) fn poses(text: &str) -> Result<usize, String> {
+    within(text, 1..=64, "poses")
+}
+
+/// How many solutions are looked for.
+pub(crate) fn solutions(text: &str) -> Result<usize, String> {
+    within(text, 1..=4, "solutions")
+}
+
 /// Threads to work with.
 pub(crate) fn threads(text: &str) -> Result<usize, String> {
     within(text, 1..=1024, "threads")

@@ -7,6 +7,8 @@ mod bench;
 mod controls;
 #[path = "cli/demo.rs"]
 mod demo;
+#[path = "cli/explain.rs"]
+mod explain;
 #[path = "cli/files.rs"]
 mod files;
 #[path = "cli/over_ground.rs"]

@@ -47,6 +47,9 @@ pub struct AlignArgs {
     /// Keyframes from a JSON file
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath, help_heading = "Keyframes")]
     pub key_file: Option<PathBuf>,
+    /// The curve is drawn over the clip's map (see inkrig suggest --map): where it is, the map's pose there is meant
+    #[arg(long, requires = "curve", help_heading = "Keyframes")]
+    pub on_map: bool,
     /// Make a loop: the end goes over into the beginning
     #[arg(long = "loop")]
     pub cyclic: bool,
@@ -106,6 +109,12 @@ pub struct AlignArgs {
     /// Another seed finds another of the equally good solutions
     #[arg(long, default_value_t = 0, help_heading = "Fine tuning")]
     pub seed: u64,
+    /// The mirrored solution: what the control has alike on two sides changes places
+    #[arg(long, help_heading = "Other solutions")]
+    pub mirror: bool,
+    /// Write up to so many solutions that differ and fit about as well (2 to 4), as OUT-2.bvh and so on
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = numbers::solutions, allow_negative_numbers = true, help_heading = "Other solutions")]
+    pub solutions: usize,
     /// By what distances within the clip and within the control are scaled [default: mean; for --like quantile]
     #[arg(long, value_enum, help_heading = "Fine tuning")]
     pub norm: Option<NormArg>,

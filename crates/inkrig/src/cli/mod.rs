@@ -3,10 +3,12 @@
 mod align;
 mod bench;
 mod root;
+mod suggest;
 
 pub use align::{AlignArgs, ControlArgs, NormArg, PresetArg, RotationArg, VelocityArg};
 pub use bench::{BenchAlignArgs, BenchArgs, BenchCommand};
 pub use root::{RootArgs, RootMode};
+pub use suggest::SuggestArgs;
 
 use crate::numbers;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
@@ -44,6 +46,9 @@ pub enum Command {
     /// Say what is in a motion file: skeleton, frames, unit, problems
     #[command(after_help = "Examples:\n  inkrig inspect walk.bvh\n  inkrig inspect walk.bvh --json")]
     Inspect(InspectArgs),
+    /// Suggest poses of a clip for keyframes, and map it to draw on
+    #[command(after_help = suggest::EXAMPLES)]
+    Suggest(SuggestArgs),
     /// Print a completion script for your shell
     #[command(
         after_help = "Example:\n  inkrig completions bash > ~/.local/share/bash-completion/completions/inkrig"

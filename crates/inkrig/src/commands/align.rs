@@ -2,17 +2,19 @@
 
 use super::control::control;
 use super::keys;
-use super::record::{Explained, Record};
+use super::record::{Explained, Record, Solution};
 use super::settings::options;
-use crate::cli::AlignArgs;
+use crate::cli::{AlignArgs, ImportArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::guide::{CANDIDATES, Suggestions, guide};
+use crate::map_picture::Canvas;
 use crate::output::Output;
 use crate::over_ground::OverGround;
 use crate::results::{self, Made, Places};
+use crate::span::Span;
 use crate::{load, names, printable, span};
-use inkrig_align::align;
+use inkrig_align::{Alternative, Control, Norm, Options, align, alternatives, keys_on_map};
 use inkrig_formats::{Import, SourceInfo};
 use inkrig_motion::{Clip, MotionError, Takes, cycle, time};
 use std::path::{Path, PathBuf};
@@ -25,44 +27,141 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
     check_names(args, output)?;
     let over_ground = OverGround::of(&args.root)?;
     let mut warnings = Vec::new();
-    let (source, mut first) = source(args, console, &mut warnings)?;
+    let (source, first) = source(&args.clips, args.range, &args.import, console, &mut warnings)?;
     keys::count_from_range(&mut options.keys, args, source.clip().frame_rate())?;
-    let control = control(args, &options, |path| Ok(motion(path, args, console, &mut warnings)?.clip))?;
-    let bar = console.bar("aligning");
-    let mut alignment = align(&source, &control, &options, &mut |progress| bar.update(progress))?;
-    bar.finish()?;
-    let (clip, ground) = over_ground.apply(alignment.clip, &mut first, args.cyclic)?;
-    alignment.clip = clip;
-    alignment.report.notes.extend(ground.notes());
-    if let Some(rate) = args.fps {
-        // Before anything is told or shown of it, so that all results are of the clip that is written.
-        alignment.clip = if args.cyclic {
-            cycle::resample_loop(&alignment.clip, rate)?
-        } else {
-            time::resample(&alignment.clip, rate)?
-        };
+    let control =
+        control(args, &options, |path| Ok(motion(path, &args.import, console, &mut warnings)?.clip))?;
+    let mut suggestions = None;
+    if args.on_map {
+        let found = Suggestions::of(&source, &options, CANDIDATES)?;
+        draw_on_map(args, &found, &mut options);
+        suggestions = Some(found);
     }
-    let suggestions = Suggestions::of(&source, &options, CANDIDATES)?;
+    let mut solutions = solve(args, &source, &control, &options, console)?;
+    let mut grounds = Vec::with_capacity(solutions.len());
+    for Alternative { alignment, .. } in &mut solutions {
+        let mut written_as = first.clone();
+        let (clip, ground) = over_ground.apply(alignment.clip.clone(), &mut written_as, args.cyclic)?;
+        alignment.clip = clip;
+        alignment.report.notes.extend(ground.notes());
+        grounds.push((written_as, ground));
+        if let Some(rate) = args.fps {
+            // Before anything is told or shown of it, so that all results are of the clip that is written.
+            alignment.clip = if args.cyclic {
+                cycle::resample_loop(&alignment.clip, rate)?
+            } else {
+                time::resample(&alignment.clip, rate)?
+            };
+        }
+    }
+    let told = console.json || args.report.is_some() || args.preview.is_some();
+    if told && suggestions.is_none() {
+        suggestions = Some(Suggestions::of(&source, &options, CANDIDATES)?);
+    }
+    let suggestions = suggestions.as_ref();
     let first_frame = keys::first_frame(args, source.clip().frame_rate());
-    let guide = guide(&alignment, &suggestions, &options, &clip_names(args), first_frame);
-    let made = Made {
-        title: &title(args),
-        alignment: &alignment,
-        control: &control,
-        source: &first,
-        guide: Some(&guide),
+    let listed: Vec<Solution> =
+        solutions.iter().enumerate().map(|(index, one)| Solution::of(&args.out_of(index), one)).collect();
+    let mut kept = None;
+    for (index, (Alternative { alignment, .. }, (written_as, ground))) in
+        solutions.iter().zip(grounds).enumerate()
+    {
+        let names = clip_names(args);
+        let guide =
+            suggestions.map(|suggestions| guide(alignment, suggestions, &options, &names, first_frame));
+        let title =
+            title(args) + &if index > 0 { format!(", solution {}", index + 1) } else { String::new() };
+        let made =
+            Made { title: &title, alignment, control: &control, source: &written_as, guide: guide.as_ref() };
+        let names = Numbered::of(args, index);
+        let record = results::write(
+            &made,
+            names.places(),
+            console,
+            |more| {
+                let mut explained = Explained::of(alignment, &options, suggestions, first_frame);
+                explained.solutions.clone_from(&listed);
+                Record::of(args, &options, alignment, explained, ground, [warnings.clone(), more].concat())
+            },
+            &mut |path, bytes| Ok(output.write(path, bytes)?),
+        )?;
+        kept.get_or_insert(record);
+    }
+    if args.solutions > 1 && solutions.len() == 1 {
+        console.say("no other solution fits as well")?;
+    }
+    console.result(&kept)
+}
+
+/// The solutions that were asked for, at least one.
+fn solve(
+    args: &AlignArgs,
+    source: &Takes,
+    control: &Control,
+    options: &Options,
+    console: &Console,
+) -> Result<Vec<Alternative>, CliError> {
+    let bar = console.bar("aligning");
+    let observer = &mut |progress| bar.update(progress);
+    let solutions = if args.solutions > 1 {
+        alternatives(source, control, options, args.solutions, observer)?
+    } else {
+        let alignment = align(source, control, options, observer)?;
+        vec![Alternative { alignment, objective: 0.0, distance: 0.0 }]
     };
-    let record = results::write(
-        &made,
-        args.places(),
-        console,
-        |more| {
-            let explained = Explained::of(&alignment, &options, &suggestions, first_frame);
-            Record::of(args, &options, &alignment, explained, ground, [warnings, more].concat())
-        },
-        &mut |path, bytes| Ok(output.write(path, bytes)?),
-    )?;
-    console.result(&record)
+    bar.finish()?;
+    Ok(solutions)
+}
+
+/// Ties the drawing to the clip's map. An SVG is drawn over the picture of the map, anything else holds its coordinates.
+fn draw_on_map(args: &AlignArgs, suggestions: &Suggestions, options: &mut Options) {
+    let mut keys = keys_on_map(&suggestions.map, &suggestions.candidates);
+    let svg = |path: &PathBuf| load::extension(path).as_deref() == Some("svg");
+    if args.control.curve.as_ref().is_some_and(svg) {
+        Canvas::of(&suggestions.map).move_keys(&mut keys);
+    }
+    options.keys.extend(keys);
+    if args.norm.is_none() {
+        options.control_norm = Norm::Learned;
+    }
+}
+
+/// Names of the files of one solution: the first has those that were given.
+struct Numbered {
+    motion: PathBuf,
+    report: Option<PathBuf>,
+    preview: Option<PathBuf>,
+    sheet: Option<PathBuf>,
+}
+
+impl Numbered {
+    fn of(args: &AlignArgs, index: usize) -> Self {
+        let name = |path: &PathBuf| numbered(path, index);
+        Self {
+            motion: name(&args.out),
+            report: args.report.as_ref().map(name),
+            preview: args.preview.as_ref().map(name),
+            sheet: args.sheet.as_ref().map(name),
+        }
+    }
+
+    fn places(&self) -> Places<'_> {
+        Places {
+            motion: &self.motion,
+            report: self.report.as_ref(),
+            preview: self.preview.as_ref(),
+            sheet: self.sheet.as_ref(),
+        }
+    }
+}
+
+/// `new.bvh`, `new-2.bvh`, `new-3.bvh`.
+fn numbered(path: &Path, index: usize) -> PathBuf {
+    if index == 0 {
+        return path.to_path_buf();
+    }
+    let ending = path.extension().map(|ending| format!(".{}", ending.to_string_lossy())).unwrap_or_default();
+    path.with_file_name(format!("{}-{}{ending}", name(path), index + 1))
 }
 
 impl AlignArgs {
@@ -77,6 +176,11 @@ impl AlignArgs {
             .collect()
     }
 
+    /// The motion file of a solution, counted from 0.
+    fn out_of(&self, index: usize) -> PathBuf {
+        numbered(&self.out, index)
+    }
+
     /// Files that are written.
     pub(super) fn places(&self) -> Places<'_> {
         Places {
@@ -89,21 +193,23 @@ impl AlignArgs {
 }
 
 /// The clips to arrange, and where the first came from.
-fn source(
-    args: &AlignArgs,
+pub(super) fn source(
+    paths: &[PathBuf],
+    range: Option<Span>,
+    options: &ImportArgs,
     console: &Console,
     warnings: &mut Vec<String>,
 ) -> Result<(Takes, SourceInfo), CliError> {
     let mut first = None;
-    let mut clips = Vec::with_capacity(args.clips.len());
-    for path in &args.clips {
-        let import = motion(path, args, console, warnings)?;
-        clips.push(cut(import.clip, path, args)?);
+    let mut clips = Vec::with_capacity(paths.len());
+    for path in paths {
+        let import = motion(path, options, console, warnings)?;
+        clips.push(cut(import.clip, path, range)?);
         first.get_or_insert(import.source);
     }
     let takes = Takes::join(&clips).map_err(|error| match error {
         MotionError::OtherSkeleton { clip, .. } => {
-            CliError::Clip { path: args.clips.get(clip).cloned().unwrap_or_default(), cause: error }
+            CliError::Clip { path: paths.get(clip).cloned().unwrap_or_default(), cause: error }
         }
         other => other.into(),
     })?;
@@ -113,12 +219,12 @@ fn source(
 /// Reads a motion and says what is odd in it.
 fn motion(
     path: &Path,
-    args: &AlignArgs,
+    options: &ImportArgs,
     console: &Console,
     warnings: &mut Vec<String>,
 ) -> Result<Import, CliError> {
     let stage = console.stage(format!("reading {}", printable::path(path)));
-    let import = load::motion(path, &args.import)?;
+    let import = load::motion(path, options)?;
     drop(stage);
     for warning in load::warnings(&import.findings, path) {
         console.warn(&warning);
@@ -128,8 +234,8 @@ fn motion(
 }
 
 /// The part of a clip that was asked for.
-fn cut(clip: Clip, path: &Path, args: &AlignArgs) -> Result<Clip, CliError> {
-    let Some(range) = args.range else { return Ok(clip) };
+fn cut(clip: Clip, path: &Path, range: Option<Span>) -> Result<Clip, CliError> {
+    let Some(range) = range else { return Ok(clip) };
     let frames = range.frames(clip.frame_rate(), clip.frames());
     if frames.is_empty() {
         let (seconds, frames) = (span::seconds(&clip), clip.frames());
@@ -144,8 +250,10 @@ fn check_names(args: &AlignArgs, output: Output) -> Result<(), CliError> {
         return Err(CliError::Kind { path: args.out.clone(), known: "results are written as .bvh" });
     }
     let inputs = args.inputs();
-    names::all_differ(inputs.iter().map(PathBuf::as_path).chain(args.places().all()))?;
-    for path in args.places().all() {
+    let names: Vec<Numbered> = (0..args.solutions).map(|index| Numbered::of(args, index)).collect();
+    let places = || names.iter().flat_map(|names| names.places().all());
+    names::all_differ(inputs.iter().map(PathBuf::as_path).chain(places()))?;
+    for path in places() {
         output.check(path)?;
     }
     Ok(())

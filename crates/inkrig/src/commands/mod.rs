@@ -9,6 +9,7 @@ mod inspect;
 mod keys;
 mod record;
 mod settings;
+mod suggest;
 
 use crate::cli::{Cli, Command};
 use crate::console::Console;
@@ -26,6 +27,7 @@ pub fn run(cli: Cli) -> Result<(), CliError> {
         Command::Bench(args) => bench::run(&args, &console),
         Command::Demo(args) => demo::run(&args, &console),
         Command::Inspect(args) => inspect::run(&args, &console),
+        Command::Suggest(args) => suggest::run(&args, &console),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "inkrig", &mut script);

@@ -5,8 +5,9 @@ use crate::guide::{CandidateFacts, Suggestions, round};
 use crate::over_ground::OverGroundRecord;
 use crate::printable::json_path;
 use crate::span::seconds;
-use inkrig_align::{AMBIGUOUS, Alignment, Explanation, Options};
+use inkrig_align::{AMBIGUOUS, Alignment, Alternative, Explanation, Options};
 use serde::Serialize;
+use std::path::Path;
 
 /// What `--report` and `--json` hold; the names are stable.
 #[derive(Serialize)]
@@ -73,6 +74,36 @@ pub(super) struct Explained {
     candidates: Vec<CandidateFacts>,
     /// How much of the clip's distances its map does not show: where `x` and `y` of candidates are.
     map_stress: f64,
+    /// All solutions, where more than one was asked for and found.
+    #[serde(skip_serializing_if = "only_one")]
+    pub(super) solutions: Vec<Solution>,
+}
+
+fn only_one(solutions: &[Solution]) -> bool {
+    solutions.len() < 2
+}
+
+/// One of several solutions.
+#[derive(Clone, Serialize)]
+pub(super) struct Solution {
+    /// Its motion file.
+    motion: String,
+    /// Of the first plan, structure alone; lower is better.
+    objective: f64,
+    /// From the first solution, in mean distances of the clip's moments.
+    distance: f64,
+    structure_pearson: f64,
+}
+
+impl Solution {
+    pub(super) fn of(motion: &Path, solution: &Alternative) -> Self {
+        Self {
+            motion: json_path(motion),
+            objective: solution.objective,
+            distance: round(solution.distance, 4),
+            structure_pearson: solution.alignment.report.structure_pearson,
+        }
+    }
 }
 
 impl Explained {
@@ -80,7 +111,7 @@ impl Explained {
     pub(super) fn of(
         alignment: &Alignment,
         options: &Options,
-        suggestions: &Suggestions,
+        suggestions: Option<&Suggestions>,
         first_frame: usize,
     ) -> Self {
         let mut used = Explanation::of(alignment, options);
@@ -88,8 +119,9 @@ impl Explained {
         Self {
             ambiguous: alignment.report.mirror_symmetry >= AMBIGUOUS,
             used,
-            candidates: suggestions.facts(first_frame),
-            map_stress: round(suggestions.map.stress, 4),
+            candidates: suggestions.map(|found| found.facts(first_frame)).unwrap_or_default(),
+            map_stress: suggestions.map_or(0.0, |found| round(found.map.stress, 4)),
+            solutions: Vec::new(),
         }
     }
 }
@@ -126,6 +158,8 @@ struct Parameters {
     matching_rate: f64,
     smooth: Option<f64>,
     seed: u64,
+    mirror: bool,
+    on_map: bool,
     norm: String,
     rotations: String,
     velocity: String,
@@ -168,6 +202,8 @@ impl Parameters {
             matching_rate: options.matching_rate,
             smooth: args.smooth,
             seed: options.seed,
+            mirror: options.mirror,
+            on_map: args.on_map,
             norm: format!("{:?}", options.control_norm).to_lowercase(),
             rotations: format!("{:?}", options.features.rotation_space).to_lowercase(),
             velocity: format!("{:?}", options.features.velocity_frame).to_lowercase(),

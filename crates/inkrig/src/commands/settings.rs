@@ -4,6 +4,11 @@ use crate::cli::{AlignArgs, NormArg, PresetArg, RotationArg, VelocityArg};
 use inkrig_align::{ControlKind, Norm, Options, Preset};
 use inkrig_motion::{RotationSpace, VelocityFrame};
 
+/// The number of threads that was asked for.
+pub(super) fn threads(asked: Option<usize>) -> usize {
+    asked.unwrap_or(Options::default().threads)
+}
+
 /// The preset's options with everything that was given by hand.
 pub(super) fn options(args: &AlignArgs) -> Options {
     let preset = match args.preset {
@@ -40,6 +45,7 @@ pub(super) fn options(args: &AlignArgs) -> Options {
     set(&mut options.iterations, args.iterations);
     set(&mut options.threads, args.threads);
     options.seed = args.seed;
+    options.mirror = args.mirror;
     if let Some(velocity) = args.velocity {
         let frame = match velocity {
             VelocityArg::World => VelocityFrame::World,

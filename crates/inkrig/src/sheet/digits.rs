@@ -11,7 +11,7 @@ const GAP: f32 = 1.7;
 
 /// Adds the strokes of `text` (digits, `.`, `s`, spaces; others are left out), its upper left corner at `corner`,
 /// digits `height` pixels high.
-pub(super) fn add_text(path: &mut PathBuilder, text: &str, corner: Vec2, height: f32) {
+pub(crate) fn add_text(path: &mut PathBuilder, text: &str, corner: Vec2, height: f32) {
     let scale = height / DIGIT.y;
     let mut pen = corner;
     for letter in text.chars() {

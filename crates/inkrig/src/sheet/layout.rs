@@ -24,7 +24,8 @@ impl Grid {
         within("the height of a cell", f64::from(options.cell[1]), 48.0, 4096.0)?;
         within("the yaw", f64::from(options.yaw), -100.0, 100.0)?;
         within("the pitch", f64::from(options.pitch), -1.5, 1.5)?;
-        let poses = options.poses.min(clip.frames());
+        let poses =
+            options.frames.map_or(options.poses.min(clip.frames()), |frames| frames.len().clamp(1, 10_000));
         let grid = Self { poses, columns: options.columns.min(poses), cell: options.cell };
         let [width, height] = grid.size().map(u64::from);
         if width * height > MOST_PIXELS {
@@ -45,8 +46,18 @@ impl Grid {
         [column as f32 * self.cell[0] as f32, row as f32 * self.cell[1] as f32]
     }
 
+    /// The frame of each cell.
+    pub(super) fn frames(&self, clip: &Clip, options: &SheetOptions<'_>) -> Vec<usize> {
+        match options.frames {
+            Some(frames) if !frames.is_empty() => {
+                frames.iter().take(self.poses).map(|&frame| frame.min(clip.frames() - 1)).collect()
+            }
+            _ => self.times(clip),
+        }
+    }
+
     /// The frame of each cell: equal times, the first and the last frame among them.
-    pub(super) fn times(&self, clip: &Clip) -> Vec<usize> {
+    fn times(&self, clip: &Clip) -> Vec<usize> {
         let (last, steps) = (clip.frames() - 1, (self.poses - 1).max(1));
         (0..self.poses).map(|index| (index * last + steps / 2) / steps).collect()
     }

@@ -2,7 +2,7 @@
 
 mod capsule;
 mod colours;
-mod digits;
+pub(crate) mod digits;
 mod layout;
 mod paint;
 mod view;
@@ -25,6 +25,8 @@ pub struct SheetOptions<'a> {
     pub pitch: f32,
     /// Light figures on a dark ground.
     pub dark: bool,
+    /// These frames instead of equal times; those that the clip does not have are its last.
+    pub frames: Option<&'a [usize]>,
     /// The control curve over the time of the clip, x to the right, y up: drawn small in every cell with a dot
     /// where the pose is.
     pub markers: Option<&'a [[f64; 2]]>,
@@ -33,7 +35,16 @@ pub struct SheetOptions<'a> {
 impl Default for SheetOptions<'_> {
     /// 24 poses in 4 rows of 6, three-quarter view from a little above, light.
     fn default() -> Self {
-        Self { poses: 24, columns: 6, cell: [240, 280], yaw: 0.6, pitch: 0.28, dark: false, markers: None }
+        Self {
+            poses: 24,
+            columns: 6,
+            cell: [240, 280],
+            yaw: 0.6,
+            pitch: 0.28,
+            dark: false,
+            frames: None,
+            markers: None,
+        }
     }
 }
 
@@ -78,7 +89,7 @@ pub enum SheetError {
 /// When an option is outside of its range, or the sheet would have more than [`MOST_PIXELS`] pixels.
 pub fn contact_sheet(clip: &Clip, options: &SheetOptions<'_>) -> Result<Vec<u8>, SheetError> {
     let grid = layout::Grid::of(clip, options)?;
-    let scene = view::Scene::of(clip, &grid.times(clip), options);
+    let scene = view::Scene::of(clip, &grid.frames(clip, options), options);
     paint::sheet(&scene, &grid, options)
 }
 
