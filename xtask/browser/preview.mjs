@@ -144,10 +144,10 @@ async function pick(tab, found) {
   const before = await stage.screenshot();
   await poses.nth(1).focus();
   await tab.keyboard.press('Enter');
+  await tab.waitForTimeout(MOMENT / 2);
   const text = await tab.locator('#key-text').textContent();
   if (!/^--key [\d.]+s~frame:\d+$/.test(text)) found.push(`a picked pose says: ${text}`);
   if ((await poses.nth(1).getAttribute('aria-pressed')) !== 'true') found.push('a picked pose is not pressed');
-  await tab.waitForTimeout(MOMENT / 2);
   if (before.equals(await stage.screenshot())) found.push('picking a pose changes nothing on the stage');
   await tab.keyboard.press('Escape');
   if ((await poses.nth(1).getAttribute('aria-pressed')) !== 'false') found.push('a pose cannot be let go');
