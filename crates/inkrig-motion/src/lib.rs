@@ -30,6 +30,8 @@ pub mod ground;
 pub mod humanml;
 pub mod kinematics;
 pub mod lead_in;
+mod orientation;
+pub mod retarget;
 pub mod rig;
 pub mod root;
 pub mod rotation;

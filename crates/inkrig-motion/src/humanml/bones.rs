@@ -1,7 +1,8 @@
 //! From positions to bone rotations and back, and everybody's motion on one body.
 
-use super::facing::{Pose, between, root_rotations};
+use super::facing::{Pose, root_rotations};
 use super::{CHAINS, JOINTS, Joints, PARENTS, RAW_DIRECTIONS};
+use crate::orientation::between;
 use glam::{DQuat, DVec3, Vec3};
 
 /// The bone that ends at each joint where nothing is turned, metres; zero at the pelvis.

@@ -6,9 +6,9 @@
 
 use super::body::check;
 use super::bones::double;
-use super::facing::{Pose, between};
-use super::orientation::best_rotation;
+use super::facing::Pose;
 use super::{JOINTS, Joints, NAMES, Offsets, PARENTS};
+use crate::orientation::{best_rotation, between};
 use crate::{Clip, Joint, MotionError, Skeleton, TranslationTrack};
 use glam::{DQuat, DVec3, Vec3};
 use std::sync::Arc;

@@ -1,5 +1,6 @@
-//! Where the body faces, and rotations between directions.
+//! Where the body faces.
 
+use crate::orientation::between;
 use glam::{DQuat, DVec3};
 
 /// Joints at one frame in double precision.
@@ -44,22 +45,6 @@ pub(super) fn root_rotations(poses: &[Pose], smooth: bool) -> Vec<DQuat> {
     turns
 }
 
-/// The shortest rotation from one direction to another. A half turn goes about y, or about x for vertical ones.
-pub(super) fn between(from: DVec3, to: DVec3) -> DQuat {
-    let axis = from.cross(to);
-    let w = (from.length_squared() * to.length_squared()).sqrt() + from.dot(to);
-    let rotation = DQuat::from_xyzw(axis.x, axis.y, axis.z, w);
-    if rotation.length_squared() > 1e-16 {
-        return rotation.normalize();
-    }
-    if from == DVec3::ZERO || to == DVec3::ZERO {
-        return DQuat::IDENTITY;
-    }
-    let about = if from.x.abs() + from.z.abs() > 1e-6 * from.y.abs() { DVec3::Y } else { DVec3::X };
-    let about = about.reject_from_normalized(from.normalize()).normalize_or(DVec3::X);
-    DQuat::from_axis_angle(about, std::f64::consts::PI)
-}
-
 /// A Gaussian over time, cut off at four standard deviations; beyond its ends the motion stays as it is there.
 fn smoothed(directions: &[DVec3]) -> Vec<DVec3> {
     let reach = (4.0 * SIGMA + 0.5) as isize;
@@ -81,18 +66,6 @@ fn smoothed(directions: &[DVec3]) -> Vec<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_shortest_rotation_takes_one_direction_to_the_other() {
-        let directions =
-            [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::new(1.0, 2.0, -3.0).normalize()];
-        for from in directions {
-            for to in directions {
-                assert!((between(from, to) * from).distance(to) < 1e-9, "{from} to {to}");
-            }
-        }
-        assert_eq!(between(DVec3::ZERO, DVec3::X), DQuat::IDENTITY);
-    }
 
     #[test]
     fn what_does_not_change_stays_under_smoothing() {

@@ -2,7 +2,8 @@
 
 use super::Joints;
 use super::bones::{double, single};
-use super::facing::{Across, Pose, between, forward};
+use super::facing::{Across, Pose, forward};
+use crate::orientation::between;
 use glam::DVec3;
 
 /// The same motion with its lowest point of all on the floor (y = 0), the pelvis of its first frame above the origin,

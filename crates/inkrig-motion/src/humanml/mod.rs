@@ -13,7 +13,6 @@ mod features;
 mod from_clip;
 mod ground;
 mod key_points;
-mod orientation;
 mod recover;
 mod statistics;
 

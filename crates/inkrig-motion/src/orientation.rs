@@ -1,10 +1,26 @@
-//! The rotation that fits several directions best.
+//! Rotations from directions: the shortest between two, the best for several.
 
 use glam::{DMat3, DQuat, DVec3};
 
+/// The shortest rotation from one direction to another. A half turn goes about y, or about x for vertical ones.
+pub(crate) fn between(from: DVec3, to: DVec3) -> DQuat {
+    let axis = from.cross(to);
+    let w = (from.length_squared() * to.length_squared()).sqrt() + from.dot(to);
+    let rotation = DQuat::from_xyzw(axis.x, axis.y, axis.z, w);
+    if rotation.length_squared() > 1e-16 {
+        return rotation.normalize();
+    }
+    if from == DVec3::ZERO || to == DVec3::ZERO {
+        return DQuat::IDENTITY;
+    }
+    let about = if from.x.abs() + from.z.abs() > 1e-6 * from.y.abs() { DVec3::Y } else { DVec3::X };
+    let about = about.reject_from_normalized(from.normalize()).normalize_or(DVec3::X);
+    DQuat::from_axis_angle(about, std::f64::consts::PI)
+}
+
 /// The rotation that takes each first direction nearest to its second, in the least-squares sense (Wahba's problem,
 /// by Davenport's q-method). `near` decides where the directions leave a choice.
-pub(super) fn best_rotation(pairs: &[(DVec3, DVec3)], near: DQuat) -> DQuat {
+pub(crate) fn best_rotation(pairs: &[(DVec3, DVec3)], near: DQuat) -> DQuat {
     // A little of the frame before makes the answer unique and continuous.
     const HOLD: f64 = 1e-3;
     let mut b = DMat3::from_quat(near) * HOLD;
@@ -55,6 +71,18 @@ fn norm(row: &[f64; 4]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_shortest_rotation_takes_one_direction_to_the_other() {
+        let directions =
+            [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::new(1.0, 2.0, -3.0).normalize()];
+        for from in directions {
+            for to in directions {
+                assert!((between(from, to) * from).distance(to) < 1e-9, "{from} to {to}");
+            }
+        }
+        assert_eq!(between(DVec3::ZERO, DVec3::X), DQuat::IDENTITY);
+    }
 
     #[test]
     fn directions_that_agree_give_their_rotation() {

@@ -1,0 +1,89 @@
+//! One character's motion on another, of other proportions, names and rest pose.
+//!
+//! Directions are carried over, not angles: in a reference pose that both characters can stand in, every bone of the
+//! target is turned to where the source's bone points; from then on it turns along with it. Places are scaled by the
+//! height of the hips. Feet that stand in the source stand in the target.
+
+mod calibrate;
+mod feet;
+mod plan;
+mod reference;
+mod transfer;
+
+use crate::rig::{Humanoid, Missing};
+use crate::{Clip, MotionError, Skeleton};
+use plan::Plan;
+use std::sync::Arc;
+
+/// How a motion is carried over.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RetargetOptions {
+    /// Length of the target over that of the source; `None`: the ratio of their hips' heights.
+    pub scale: Option<f32>,
+    /// Whether feet that stand in the source are kept from sliding.
+    pub keep_feet: bool,
+}
+
+impl Default for RetargetOptions {
+    fn default() -> Self {
+        Self { scale: None, keep_feet: true }
+    }
+}
+
+/// A motion on another character.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Retargeted {
+    /// The motion of the target's skeleton.
+    pub clip: Clip,
+    /// Length of the target over that of the source.
+    pub scale: f32,
+    /// Target joints that turn with the source, each with the source joint that leads it.
+    pub pairs: Vec<(usize, usize)>,
+    /// When each foot stood in the source: side (0 is left), first frame, last frame.
+    pub contacts: Vec<(usize, usize, usize)>,
+}
+
+/// Why a motion cannot be carried over.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RetargetError {
+    /// The moving character is no two-legged body, or its joints have names that are not known.
+    #[error("the motion's skeleton: {0}; name its joints as common programs do")]
+    Source(Missing),
+    /// The character that shall move is none.
+    #[error("the character's skeleton: {0}; name its joints as common programs do")]
+    Target(Missing),
+    /// Legs without length have no scale.
+    #[error("the legs of the {0} have no length, so the sizes of both cannot be compared: give a scale")]
+    NoLegs(&'static str),
+    /// From the motion core.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+}
+
+/// Carries the motion of one two-legged character over to another. Joints of the target that have no counterpart keep
+/// their rest.
+///
+/// # Errors
+/// When one of the two is not a two-legged body that is known by its joints' names, or has no legs to measure.
+pub fn retarget(
+    source: &Clip,
+    target: &Arc<Skeleton>,
+    options: &RetargetOptions,
+) -> Result<Retargeted, RetargetError> {
+    let from = Humanoid::find(source.skeleton()).map_err(RetargetError::Source)?;
+    let onto = Humanoid::find(target).map_err(RetargetError::Target)?;
+    let plan = Plan::new(&from, &onto);
+    let reference = reference::find(source, &from);
+    let calibration = calibrate::calibrate(&reference, target, &plan, options)?;
+    let mut moved = transfer::transfer(source, target, &plan, &calibration);
+    let contacts = if options.keep_feet {
+        let contacts = feet::contacts(source, &from, calibration.source_ground, calibration.leg);
+        feet::keep(&mut moved, target, &onto, &contacts, source.frame_rate());
+        contacts
+    } else {
+        Vec::new()
+    };
+    let clip = moved.into_clip(target, onto.hips, source.frame_rate())?;
+    Ok(Retargeted { clip, scale: calibration.scale, pairs: plan.pairs(), contacts })
+}

@@ -1,0 +1,146 @@
+//! Retargeting between two bodies made here: one in a T-pose, one twice as large in an A-pose with other names.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use inkrig_motion::glam::{Quat, Vec3};
+use inkrig_motion::retarget::{RetargetOptions, retarget};
+use inkrig_motion::rig::{Humanoid, Part, Side};
+use inkrig_motion::{Clip, Joint, Skeleton, TranslationTrack, kinematics};
+use std::sync::Arc;
+
+/// Names of hips, spine, head, and for one side: collar, arm, elbow, hand, thigh, shin, foot, toes.
+type Names = [&'static str; 11];
+
+const ONE: Names = [
+    "Hips",
+    "Spine",
+    "Head",
+    "LeftShoulder",
+    "LeftArm",
+    "LeftForeArm",
+    "LeftHand",
+    "LeftUpLeg",
+    "LeftLeg",
+    "LeftFoot",
+    "LeftToeBase",
+];
+const OTHER: Names = [
+    "pelvis",
+    "spine_01",
+    "head",
+    "clavicle_l",
+    "upperarm_l",
+    "lowerarm_l",
+    "hand_l",
+    "thigh_l",
+    "calf_l",
+    "foot_l",
+    "ball_l",
+];
+
+fn body(names: Names, size: f32, arm: Vec3) -> Arc<Skeleton> {
+    let mut joints = vec![
+        Joint::new(names[0], None, Vec3::ZERO),
+        Joint::new(names[1], Some(0), size * Vec3::new(0.0, 0.2, 0.0)),
+        Joint::new(names[2], Some(1), size * Vec3::new(0.0, 0.4, 0.0)),
+    ];
+    for side in [1.0, -1.0] {
+        let flip = |v: Vec3| size * Vec3::new(side * v.x, v.y, v.z);
+        let name = |index: usize| {
+            let name: &str = names[index];
+            if side > 0.0 { name.to_string() } else { name.replace("Left", "Right").replace("_l", "_r") }
+        };
+        let first = joints.len();
+        let chain = [
+            (Some(1), Vec3::new(0.05, 0.3, 0.0)),
+            (None, Vec3::new(0.12, 0.0, 0.0)),
+            (None, 0.28 * arm),
+            (None, 0.25 * arm),
+            (Some(0), Vec3::new(0.1, 0.0, 0.0)),
+            (None, Vec3::new(0.0, -0.45, 0.0)),
+            (None, Vec3::new(0.0, -0.4, 0.0)),
+            (None, Vec3::new(0.0, -0.08, 0.15)),
+        ];
+        for (index, (parent, offset)) in chain.into_iter().enumerate() {
+            let parent = parent.unwrap_or(first + index - 1);
+            joints.push(Joint::new(name(3 + index), Some(parent), flip(offset)));
+        }
+    }
+    Arc::new(Skeleton::new(joints).unwrap())
+}
+
+/// Somebody who walks on the spot and swings arms.
+fn motion(skeleton: &Arc<Skeleton>) -> Clip {
+    let frames = 40;
+    let mut rotations = Vec::new();
+    for frame in 0..frames {
+        let t = frame as f32 * 0.2;
+        for joint in skeleton.joints() {
+            let side = if joint.name.contains("Right") { 1.0 } else { -1.0 };
+            let swing = side * t.sin();
+            rotations.push(match joint.name.trim_start_matches("Left").trim_start_matches("Right") {
+                "Arm" => Quat::from_rotation_z(side * 1.2) * Quat::from_rotation_x(0.5 * swing),
+                "ForeArm" => Quat::from_rotation_y(0.6 * side),
+                "UpLeg" => Quat::from_rotation_x(0.5 * swing - 0.2),
+                "Leg" => Quat::from_rotation_x(0.5),
+                "Hips" => Quat::from_rotation_y(0.1 * t),
+                _ => Quat::IDENTITY,
+            });
+        }
+    }
+    let values = (0..frames).map(|frame| Vec3::new(0.02 * frame as f32, 0.9, 0.0)).collect();
+    Clip::new(Arc::clone(skeleton), 30.0, rotations, vec![TranslationTrack { joint: 0, values }]).unwrap()
+}
+
+#[test]
+fn ones_own_body_changes_nothing() {
+    let skeleton = body(ONE, 1.0, Vec3::X);
+    let source = motion(&skeleton);
+    let options = RetargetOptions { keep_feet: false, ..RetargetOptions::default() };
+    let moved = retarget(&source, &skeleton, &options).unwrap();
+    assert!((moved.scale - 1.0).abs() < 1e-5);
+    for frame in 0..source.frames() {
+        for (a, b) in source.rotations(frame).iter().zip(moved.clip.rotations(frame)) {
+            assert!(a.angle_between(*b) < 2e-3, "frame {frame}");
+        }
+    }
+}
+
+#[test]
+fn limbs_point_alike_on_a_body_of_other_size_rest_pose_and_names() {
+    let (from, onto) = (body(ONE, 1.0, Vec3::X), body(OTHER, 2.0, Vec3::new(0.6, -0.8, 0.0)));
+    let source = motion(&from);
+    let options = RetargetOptions { keep_feet: false, ..RetargetOptions::default() };
+    let moved = retarget(&source, &onto, &options).unwrap();
+    assert!((moved.scale - 2.0).abs() < 1e-4);
+    let (a, b) = (kinematics::positions(&source), kinematics::positions(&moved.clip));
+    let bodies = (Humanoid::find(&from).unwrap(), Humanoid::find(&onto).unwrap());
+    for frame in 0..source.frames() {
+        for (begin, end) in [
+            (Part::UpperArm, Part::LowerArm),
+            (Part::LowerArm, Part::Hand),
+            (Part::UpperLeg, Part::LowerLeg),
+            (Part::LowerLeg, Part::Foot),
+        ] {
+            for side in Side::BOTH {
+                let bone = |places: &[Vec3], body: &Humanoid| {
+                    places[body.joint(end, side).unwrap()] - places[body.joint(begin, side).unwrap()]
+                };
+                let (own, other) = (bone(a.frame(frame), &bodies.0), bone(b.frame(frame), &bodies.1));
+                assert!(own.angle_between(other) < 2e-3, "{begin:?} {side:?} at frame {frame}");
+                assert!((other.length() / own.length() - 2.0).abs() < 1e-3);
+            }
+        }
+    }
+    let travelled = |positions: &kinematics::Positions| positions.frame(39)[0] - positions.frame(0)[0];
+    assert!((travelled(&b) - 2.0 * travelled(&a)).length() < 0.02);
+}
+
+#[test]
+fn legs_without_length_need_a_scale() {
+    let source = motion(&body(ONE, 1.0, Vec3::X));
+    let flat = body(OTHER, 0.0, Vec3::X);
+    let error = retarget(&source, &flat, &RetargetOptions::default()).unwrap_err();
+    assert!(error.to_string().contains("give a scale"), "{error}");
+    let options = RetargetOptions { scale: Some(1.0), ..RetargetOptions::default() };
+    assert!(retarget(&source, &flat, &options).is_ok());
+}
