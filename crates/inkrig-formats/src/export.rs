@@ -1,6 +1,6 @@
 //! How a motion is written.
 
-use crate::{Channel, Finding, SourceInfo, UpAxis};
+use crate::{Channel, Finding, HumanBone, Original, SourceInfo, UpAxis};
 
 /// How to write a motion. The default suits most programs: centimetres, y up, the format's usual channels.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +15,16 @@ pub struct ExportOptions {
     /// Seconds from frame to frame as the source said it; used when the clip still has that rate, so that a rounded
     /// value such as .0083333 comes back unchanged. Default: none.
     pub frame_time: Option<f64>,
+    /// What the clip is called, in formats that name their clips. Default: `motion`.
+    pub name: Option<String>,
+    /// The file that the clip is put into, mesh, skin and materials untouched: a glTF file of the clip's own skeleton, whose
+    /// unit and axes are [`Self::metres_per_unit`] and [`Self::up`]. Default: none.
+    pub original: Option<Original>,
+    /// Whether a clip of the same name in [`Self::original`] is taken out; else the new one gets a number behind its
+    /// name. Default: no.
+    pub replace: bool,
+    /// Which joints are which bones of a person, for VRMA. Default: none.
+    pub humanoid: Vec<HumanBone>,
 }
 
 /// A motion that was written.
@@ -27,19 +37,31 @@ pub struct Written {
 }
 
 impl ExportOptions {
-    /// The units, axes, channel order and frame time of a source.
+    /// The units, axes, channel order and frame time of a source; into the source's own file where that can be.
     pub fn like(source: &SourceInfo) -> Self {
         Self {
             metres_per_unit: source.metres_per_unit,
             up: source.up,
             channels: source.channels.clone(),
             frame_time: source.frame_time,
+            original: source.original.clone(),
+            humanoid: source.humanoid.clone(),
+            ..Self::default()
         }
     }
 }
 
 impl Default for ExportOptions {
     fn default() -> Self {
-        Self { metres_per_unit: 0.01, up: UpAxis::Y, channels: Vec::new(), frame_time: None }
+        Self {
+            metres_per_unit: 0.01,
+            up: UpAxis::Y,
+            channels: Vec::new(),
+            frame_time: None,
+            name: None,
+            original: None,
+            replace: false,
+            humanoid: Vec::new(),
+        }
     }
 }

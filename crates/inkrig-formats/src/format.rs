@@ -1,8 +1,9 @@
 //! The formats by name, so that a caller need not know which module reads what.
 
+use crate::gltf::write_into_gltf;
 use crate::{
     ExportOptions, FileSource, FormatError, Import, ImportOptions, Written, read_amc, read_bvh,
-    read_deepmimic, read_gltf, write_bvh, write_usda,
+    read_deepmimic, read_gltf, write_bvh, write_glb, write_usda, write_vrma,
 };
 use inkrig_motion::Clip;
 
@@ -43,6 +44,11 @@ impl Format {
             "vrma" => Some(Self::Vrma),
             _ => None,
         }
+    }
+
+    /// Whether motions are written in it: .gltf and .vrm only into a file that was read.
+    pub fn is_written(self) -> bool {
+        !matches!(self, Self::Amc | Self::DeepMimic)
     }
 
     /// The usual extension, without a dot.
@@ -100,7 +106,7 @@ pub fn read_motion(
 /// Writes a motion in a known format.
 ///
 /// # Errors
-/// What the format's own writer says: see [`write_bvh`], [`write_usda`]. Not every format can be written.
+/// What the format's own writer says: see [`write_bvh`], [`write_usda`], [`write_glb`], [`write_vrma`]. Not every format can be written.
 pub fn write_motion(clip: &Clip, format: Format, options: &ExportOptions) -> Result<Written, FormatError> {
     match format {
         Format::Bvh => write_bvh(clip, options),
@@ -109,9 +115,14 @@ pub fn write_motion(clip: &Clip, format: Format, options: &ExportOptions) -> Res
             what: format!("inkrig does not write {} files", format.name()),
             hint: "write a .bvh instead".into(),
         }),
-        Format::Glb | Format::Gltf | Format::Vrm | Format::Vrma => Err(FormatError::Write {
-            what: format!("{} is not written yet", format.name()),
-            hint: "write a BVH".into(),
+        Format::Glb => write_glb(clip, options),
+        Format::Vrma => write_vrma(clip, options),
+        Format::Gltf => write_into_gltf(clip, options),
+        // A figure cannot be made here, but one that is there can get a clip.
+        Format::Vrm if options.original.is_some() && !options.humanoid.is_empty() => write_glb(clip, options),
+        Format::Vrm => Err(FormatError::Write {
+            what: "inkrig writes .vrm files only into one that it has read".into(),
+            hint: "write a .glb or a .vrma instead".into(),
         }),
     }
 }

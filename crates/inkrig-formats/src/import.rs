@@ -1,6 +1,6 @@
 //! What comes out of a file, and how it was understood.
 
-use crate::{Finding, Format, FormatError, HumanBone, Limits};
+use crate::{Finding, Format, FormatError, HumanBone, Limits, Original};
 use inkrig_motion::{
     Clip,
     glam::{DQuat, DVec3},
@@ -78,6 +78,8 @@ pub struct SourceInfo {
     /// Which joints are which bones of a person, where the file says it (VRM, VRMA), in the order of
     /// [`HUMAN_BONES`](crate::HUMAN_BONES).
     pub humanoid: Vec<HumanBone>,
+    /// The file itself, where a new clip can be put into it (glTF and VRM).
+    pub original: Option<Original>,
 }
 
 /// How a property of a file is known.

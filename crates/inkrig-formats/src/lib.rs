@@ -34,6 +34,7 @@ mod import;
 mod lexer;
 mod limits;
 mod numbers;
+mod original;
 mod unit;
 mod usda;
 
@@ -45,8 +46,9 @@ pub use export::{ExportOptions, Written};
 pub use finding::{Finding, Place, Severity};
 pub use folder::{FileSource, no_files, read_in_folder};
 pub use format::{Format, read_motion, write_motion};
-pub use gltf::{HUMAN_BONES, HumanBone, read_gltf};
+pub use gltf::{HUMAN_BONES, HumanBone, read_gltf, write_glb, write_vrma};
 pub use import::{Axis, Channel, ClipChoice, ClipInfo, Evidence, Import, ImportOptions, SourceInfo, UpAxis};
 pub use limits::Limits;
+pub use original::Original;
 pub use unit::guess_metres_per_unit;
 pub use usda::write_usda;

@@ -212,7 +212,7 @@ proptest! {
     fn any_skeleton_order_unit_and_up_axis_comes_back(parts in parts(), seed: u32) {
         let (clip, channels) = build(&parts, seed);
         let up = if parts.4 { UpAxis::Z } else { UpAxis::Y };
-        let export = ExportOptions { metres_per_unit: parts.2, up, channels, frame_time: None };
+        let export = ExportOptions { metres_per_unit: parts.2, up, channels, ..Default::default() };
         let written = write_bvh(&clip, &export).unwrap();
         prop_assert!(written.findings.is_empty(), "{:?}", written.findings);
         let options = ImportOptions { metres_per_unit: Some(parts.2), up: Some(up), ..Default::default() };

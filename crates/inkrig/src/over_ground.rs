@@ -112,6 +112,11 @@ impl OverGround {
                 done.clip
             }
         };
+        if !matches!(change, SkeletonChange::Kept(_)) {
+            // A file of the old skeleton cannot take the clip any more.
+            source.original = None;
+            source.humanoid.clear();
+        }
         let skeleton = follow_channels(change, source);
         let joint = match change {
             SkeletonChange::Inserted(joint) | SkeletonChange::Kept(Some(joint))

@@ -63,7 +63,7 @@ pub(crate) fn write<R: Serialize>(
     let written = write_motion(
         &alignment.clip,
         written_as(places.motion, made.source),
-        &ExportOptions::like(made.source),
+        &ExportOptions { name: Some(made.title.to_string()), ..ExportOptions::like(made.source) },
     )?;
     drop(stage);
     let warnings = load::warnings(&written.findings, places.motion);

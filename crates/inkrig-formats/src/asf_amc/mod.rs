@@ -65,6 +65,7 @@ pub fn read_amc(bytes: &[u8], options: &ImportOptions) -> Result<Import, FormatE
         channels: Vec::new(),
         frame_time: None,
         humanoid: Vec::new(),
+        original: None,
     };
     Ok(Import::new(clip, source, findings))
 }

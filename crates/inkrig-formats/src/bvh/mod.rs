@@ -66,6 +66,7 @@ pub fn read_bvh(bytes: &[u8], options: &ImportOptions) -> Result<Import, FormatE
         channels,
         frame_time,
         humanoid: Vec::new(),
+        original: None,
     };
     Ok(Import::new(clip, source, findings))
 }

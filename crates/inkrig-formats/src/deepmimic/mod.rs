@@ -49,6 +49,7 @@ pub fn read_deepmimic(bytes: &[u8], options: &ImportOptions) -> Result<Import, F
         channels: Vec::new(),
         frame_time: motion.frame_time,
         humanoid: Vec::new(),
+        original: None,
     };
     Ok(Import::new(clip, source, findings))
 }

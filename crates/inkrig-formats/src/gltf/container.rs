@@ -69,7 +69,6 @@ fn text(bytes: &[u8]) -> Result<Container<'_>, FormatError> {
 }
 
 /// Puts a GLB together.
-#[cfg(test)]
 pub(super) fn glb(json: &[u8], bin: &[u8]) -> Result<Vec<u8>, FormatError> {
     let json_length = json.len().next_multiple_of(4);
     let bin_length = bin.len().next_multiple_of(4);
@@ -90,7 +89,6 @@ pub(super) fn glb(json: &[u8], bin: &[u8]) -> Result<Vec<u8>, FormatError> {
     Ok(out)
 }
 
-#[cfg(test)]
 /// One chunk, filled up to whole words. It is no longer than the file, whose length was checked.
 fn chunk(out: &mut Vec<u8>, kind: u32, data: &[u8], filling: u8) {
     let length = data.len().next_multiple_of(4);

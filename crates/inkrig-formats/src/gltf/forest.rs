@@ -25,6 +25,10 @@ pub(super) struct Transform {
 }
 
 impl Transform {
+    pub(super) fn identity() -> Self {
+        Self { translation: DVec3::ZERO, rotation: DQuat::IDENTITY, scale: DVec3::ONE, matrix: None }
+    }
+
     pub(super) fn affine(&self) -> DAffine3 {
         let parts = || DAffine3::from_scale_rotation_translation(self.scale, self.rotation, self.translation);
         self.matrix.unwrap_or_else(parts)

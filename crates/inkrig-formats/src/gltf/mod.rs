@@ -12,10 +12,15 @@ mod humanoid;
 mod pose;
 mod timing;
 mod track;
+mod write;
 
 pub use humanoid::{HUMAN_BONES, HumanBone};
+pub(crate) use write::write_into_gltf;
+pub use write::{write_glb, write_vrma};
 
-use crate::{Evidence, FileSource, Finding, Format, FormatError, Import, ImportOptions, Limits, SourceInfo};
+use crate::{
+    Evidence, FileSource, Finding, Format, FormatError, Import, ImportOptions, Limits, Original, SourceInfo,
+};
 use container::Container;
 use document::Document;
 use figure::Figure;
@@ -73,6 +78,7 @@ pub fn read_gltf(
         channels: Vec::new(),
         frame_time: None,
         humanoid: human_bones(&document, &figure),
+        original: Some(Original::new(bytes)),
     };
     Ok(Import { clip, source, clips, clip_index: chosen, findings })
 }

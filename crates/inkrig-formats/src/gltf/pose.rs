@@ -19,8 +19,9 @@ use inkrig_motion::{
 };
 use std::sync::Arc;
 
-/// A joint that leaves its place by less than this part of the figure's size has no translation.
-const STILL: f64 = 1e-6;
+/// Joints that leave their places by less than this part of the figure's size, all of a chain together, have no
+/// translation: more than rounding does, and less than matters.
+const STILL: f64 = 2e-6;
 
 /// Where things are in the world, and what that is when the figure rests.
 pub(super) struct Stage<'f> {
@@ -99,6 +100,12 @@ impl<'f> Stage<'f> {
         Ok(Skeleton::new(joints.collect())?)
     }
 
+    /// What a joint may leave its place by and still have no translation, metres.
+    pub(super) fn still(&self, skeleton: &Skeleton) -> f64 {
+        let depth = skeleton.depths().into_iter().max().unwrap_or(0) as f64;
+        STILL / (1.0 + depth) * f64::from(skeleton.extent()).max(1e-6)
+    }
+
     fn rest_offset(&self, parent: Option<usize>, node: usize) -> DVec3 {
         let place = |node: usize| self.rest.get(node).map_or(DVec3::ZERO, |placed| placed.world.translation);
         place(node) - self.joint_node(parent).map_or(DVec3::ZERO, place)
@@ -146,7 +153,7 @@ impl<'s, 'f, 'a> Player<'s, 'f, 'a> {
         let skeleton = Arc::new(self.stage.skeleton()?);
         let joints = skeleton.len();
         // Once to see which joints leave their places, once to write it all down.
-        let still = STILL * f64::from(skeleton.extent()).max(1e-6);
+        let still = self.stage.still(&skeleton);
         let mut moved = vec![false; joints];
         let mut scaled = 0.0_f64;
         for frame in 0..frames {

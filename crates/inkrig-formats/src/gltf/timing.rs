@@ -98,15 +98,15 @@ impl<'a> Grid<'a> {
         // The mean over single steps is far more exact than one of them.
         let steps = || gaps().filter(|gap| *gap >= smallest && *gap < 1.5 * smallest);
         let step = steps().sum::<f64>() / steps().count() as f64;
-        let rate = snapped((self.span / step).round() / self.span);
+        let rate = snapped((self.span / step).round() / self.span, 2.0 * self.rounding / self.span);
         (rate <= FASTEST && self.fits(rate)).then_some(rate)
     }
 }
 
-/// The round rate that f32 times cannot be told apart from.
-fn snapped(rate: f64) -> f64 {
+/// The round rate that a rate cannot be told apart from, `error` being what rounding may do to it, by ratio.
+fn snapped(rate: f64, error: f64) -> f64 {
     let ntsc = (rate * 1.001).round() / 1.001;
-    let near = |round: &f64| (rate / round - 1.0).abs() < 1e-6;
+    let near = |round: &f64| (rate / round - 1.0).abs() < error;
     [rate.round(), ntsc].into_iter().find(near).unwrap_or(rate)
 }
 

@@ -35,8 +35,8 @@ pub struct AlignArgs {
     #[command(flatten)]
     /// What to follow.
     pub control: ControlArgs,
-    /// The file to write
-    #[arg(long, short, value_name = "OUT.bvh", value_hint = ValueHint::FilePath)]
+    /// The file to write: .bvh, .glb (a clip of a GLB goes back into a copy of it), .usda, .vrma
+    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub out: PathBuf,
     /// A pose at a time: exactly (0.5s=frame:120) or softly, at a time or place (0.5s~frame:120, 0.3,-1~frame:120*0.5)
     #[arg(long = "key", value_name = "KEY", help_heading = "Keyframes", allow_hyphen_values = true)]
