@@ -22,7 +22,7 @@ pub(crate) struct Tools {
     pub(crate) node: PathBuf,
     pub(crate) chromium: PathBuf,
     /// The folder that holds `node_modules`.
-    modules: PathBuf,
+    pub(crate) modules: PathBuf,
 }
 
 impl Tools {

@@ -9,6 +9,7 @@ mod browser;
 mod counts;
 mod demo;
 mod fuzz;
+mod glb;
 mod process;
 mod readme;
 mod samples;

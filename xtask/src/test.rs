@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result};
 use crate::counts::Counts;
 use crate::step::{Steps, Verdict};
 use crate::tools::{self, Context};
-use crate::{browser, demo, process, readme, setup};
+use crate::{browser, demo, glb, process, readme, setup};
 
 /// Every check that the build server runs. The cheap ones come first.
 pub(crate) fn all(context: &Context, keep_going: bool) -> ExitCode {
@@ -21,6 +21,7 @@ pub(crate) fn all(context: &Context, keep_going: bool) -> ExitCode {
         .run("tests", || tests(context))
         .run("documentation tests", || doc_tests(context))
         .run("demo", || passed(demo::check(context)))
+        .run("GLB files in glTF-Validator", || glb::check(context))
         .run("README commands", || passed(readme::check(context)))
         .run("preview in the browser", || browser::check(context));
     steps.finish()

@@ -1,4 +1,4 @@
-//! Fuzz targets of the glTF reader, on stable Rust. Under `cargo test` each runs for a second;
+//! Fuzz targets of the glTF reader and writer, on stable Rust. Under `cargo test` each runs for a second;
 //! `BOLERO_RANDOM_TEST_TIME_MS=300000 cargo test --release -p inkrig-formats --test fuzz_gltf` runs them for longer.
 #![allow(
     clippy::unwrap_used,
@@ -12,7 +12,7 @@
 mod common;
 
 use common::gltf::{Doc, glb, turn_x};
-use inkrig_formats::{ImportOptions, no_files, read_gltf};
+use inkrig_formats::{ClipChoice, ExportOptions, ImportOptions, no_files, read_gltf, write_glb};
 use serde_json::{Value, json};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -111,6 +111,17 @@ fn check(file: &[u8]) -> bool {
     match read_gltf(file, &options, &no_files) {
         Ok(import) => {
             assert!(import.clip.frames() * import.clip.skeleton().len() <= 1 << 14);
+            // What was read can be put back as a clip more, and written as a file of its own.
+            let options = ExportOptions { metres_per_unit: 1.0, ..ExportOptions::like(&import.source) };
+            let number = import.clips.len() + 1;
+            for (options, number) in [(options, number), (ExportOptions::default(), 1)] {
+                let written = write_glb(&import.clip, &options).unwrap();
+                let clip = Some(ClipChoice::Number(number));
+                let again = ImportOptions { clip, ..Default::default() };
+                let again = read_gltf(&written.bytes, &again, &no_files).unwrap();
+                assert_eq!(again.clip.frames(), import.clip.frames());
+                assert_eq!(again.clip.skeleton().len(), import.clip.skeleton().len());
+            }
             true
         }
         Err(error) => {
