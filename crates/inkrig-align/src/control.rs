@@ -3,7 +3,7 @@
 use crate::{AlignError, Heard, MOST_FRAMES};
 use inkrig_motion::{Clip, FeatureOptions, Features, frame_features, time};
 use inkrig_sketch::{Curve, Ends, Labels, Table, Timing, Wave, frame_count, resample, smooth};
-use inkrig_sound::{LoudnessScale, MelSpectrogram, MfccOptions, Sound, loudness};
+use inkrig_sound::{LoudnessScale, MelSpectrogram, MfccOptions, Sound, WaveformKind, loudness, waveform};
 
 /// A control as the solver sees it: a table of numbers over time, never a file. Only distances between its rows
 /// count, so its scale and place do not matter.
@@ -167,6 +167,27 @@ impl Control {
         Self::from_values(&table.resample(samples)?, table.width(), rate, kind)
     }
 
+    /// The control of a sound's plain wave (MAMM Sec. 4.2): the mean of the samples around each frame, where the file holds
+    /// a slow curve. Of something to hear that is nothing, and its outline (the peaks) is taken: where means span less than a
+    /// tenth of what peaks do.
+    ///
+    /// # Errors
+    /// When it is silent throughout or too long.
+    pub fn from_waveform(sound: &Sound, samples: Option<usize>, rate: f64) -> Result<Self, AlignError> {
+        if sound.is_silent() {
+            return Err(AlignError::Silence);
+        }
+        checked_sound(sound, rate)?;
+        let curve = |kind| Ok::<_, AlignError>(waveform(sound, rate, kind)?.values);
+        let most = |values: &[f32]| values.iter().fold(0.0_f32, |most, value| most.max(value.abs()));
+        let (means, peaks) = (curve(WaveformKind::Mean)?, curve(WaveformKind::Peak)?);
+        let values = if most(&means) < 0.1 * most(&peaks) { peaks } else { means };
+        let values: Vec<f64> = values.into_iter().map(f64::from).collect();
+        let played = checked(samples.unwrap_or(values.len()))?;
+        let rate = values.len() as f64 * rate / played.max(1) as f64;
+        Self::from_values(&values, 1, rate, ControlKind::Wave)
+    }
+
     /// The control of labels over time: one-hot rows (MAMM Sec. 4.3). Which label becomes which movement is found by
     /// itself, or said by keys.
     ///
@@ -188,13 +209,7 @@ impl Control {
         if sound.is_silent() {
             return Err(AlignError::Silence);
         }
-        let frames = (sound.seconds() * options.rate) as usize;
-        if frames > MOST_FRAMES {
-            return Err(AlignError::LongSound {
-                seconds: sound.seconds(),
-                most: MOST_FRAMES as f64 / options.rate,
-            });
-        }
+        checked_sound(sound, options.rate)?;
         let spectrogram = MelSpectrogram::new(sound)?;
         let mfcc = spectrogram.mfcc(&MfccOptions { coefficients: COEFFICIENTS, ..MfccOptions::default() })?;
         let heard = Heard {
@@ -233,6 +248,11 @@ fn checked(samples: usize) -> Result<usize, AlignError> {
         return Err(AlignError::TooLong { what: "the control", frames: samples, most: MOST_FRAMES, cut });
     }
     Ok(samples)
+}
+
+fn checked_sound(sound: &Sound, rate: f64) -> Result<(), AlignError> {
+    let (seconds, most) = (sound.seconds(), MOST_FRAMES as f64 / rate);
+    if seconds > most { Err(AlignError::LongSound { seconds, most }) } else { Ok(()) }
 }
 
 #[cfg(test)]

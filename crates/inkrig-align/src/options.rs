@@ -119,8 +119,12 @@ impl Options {
         let mut options = Self::default();
         match kind {
             ControlKind::Curve | ControlKind::Wave => {}
-            // A small lambda freezes: all of a label's frames would be drawn to one moment.
-            ControlKind::Labels => options.lambda = 0.3,
+            // A small lambda freezes: all of a label's frames would be drawn to one moment. A small epsilon keeps movements
+            // apart that are alike for the control.
+            ControlKind::Labels => {
+                options.lambda = 0.2;
+                options.epsilon = 0.0025;
+            }
             // A plan that mixes more poses needs no polish, which costs structure here, and a control scaled to be
             // smaller than the clip asks for no leaps.
             ControlKind::Sound => {

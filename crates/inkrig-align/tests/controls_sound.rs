@@ -84,3 +84,44 @@ fn a_sound_that_is_silent_too_long_or_too_short_is_said() {
     let loud = says(2.0, 0.5, 22_050).unwrap();
     assert_eq!(loud.heard.unwrap().loudness.len(), loud.features.frames());
 }
+
+/// Synthetic speech, made where the test runs; `None`, said in one line, where espeak-ng is not installed.
+fn speech(text: &str) -> Option<Sound> {
+    let file = std::env::temp_dir().join(format!("inkrig-speech-{}-{}.wav", std::process::id(), text.len()));
+    let spoken =
+        std::process::Command::new("espeak-ng").args(["-s", "140", "-w"]).arg(&file).arg(text).status();
+    match spoken {
+        Ok(status) if status.success() => {
+            let bytes = std::fs::read(&file).unwrap();
+            std::fs::remove_file(&file).unwrap();
+            Some(inkrig_sound::decode(&bytes, "wav").unwrap().sound)
+        }
+        other => {
+            assert_ne!(
+                std::env::var("CI").as_deref(),
+                Ok("true"),
+                "espeak-ng: {other:?}; cargo xtask setup --system"
+            );
+            println!("skipped: espeak-ng is not installed (cargo xtask setup --system installs it)");
+            None
+        }
+    }
+}
+
+#[test]
+fn speech_moves_a_gesturing_person() {
+    let texts = [
+        "Good evening, and welcome. Tonight we look at how people move their hands when they speak. Some of them point, \
+         some of them wave, and some stand quite still until they have something important to say.",
+        "Stop! You there, on the left: wait. Now go, go, go. Thank you. And you, slowly, come to me. Stop.",
+    ];
+    // A person who directs traffic and waves.
+    let Some(clip) = motion("cmu/13/13_26.bvh", 20.0) else { return };
+    for text in texts {
+        let Some(sound) = speech(text) else { return };
+        let name = format!("speech of {:.1} s on gestures", sound.seconds());
+        let report =
+            follow(&name, &clip, &Control::from_sound(&sound, &SoundOptions::default()).unwrap()).report;
+        assert_gates(&name, ControlKind::Sound, 0.75, &report);
+    }
+}

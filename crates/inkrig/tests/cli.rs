@@ -17,6 +17,8 @@ mod over_ground;
 mod stop;
 #[path = "cli/words.rs"]
 mod words;
+#[path = "cli/wrong_controls.rs"]
+mod wrong_controls;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

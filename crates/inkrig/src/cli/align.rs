@@ -4,6 +4,7 @@ use super::{ImportArgs, RootArgs};
 use crate::numbers;
 use crate::span::{Length, Span};
 use clap::{Args, ValueEnum, ValueHint};
+use inkrig_align::Norm;
 use std::path::PathBuf;
 
 pub(super) const EXAMPLES: &str = "\
@@ -115,9 +116,10 @@ pub struct AlignArgs {
     /// Write up to so many solutions that differ and fit about as well (2 to 4), as OUT-2.bvh and so on
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = numbers::solutions, allow_negative_numbers = true, help_heading = "Other solutions")]
     pub solutions: usize,
-    /// By what distances within the clip and within the control are scaled [default: mean; for --like quantile]
-    #[arg(long, value_enum, help_heading = "Fine tuning")]
-    pub norm: Option<NormArg>,
+    /// By what distances are scaled: mean, max, quantile or learned; of one side as source=mean,control=learned
+    /// [default: mean; for --like quantile; for --sound source=mean,control=quantile]
+    #[arg(long, value_name = "NORM", value_parser = norms, help_heading = "Fine tuning")]
+    pub norm: Option<Norms>,
     /// Compare and carry travel along world axes, or relative to where the character is headed
     #[arg(long, value_enum, help_heading = "Fine tuning")]
     pub velocity: Option<VelocityArg>,
@@ -143,7 +145,7 @@ pub struct ControlArgs {
     /// Follow a drawn curve: JSON, CSV or SVG
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "What to follow")]
     pub curve: Option<PathBuf>,
-    /// Follow a wave: an expression, or a CSV or JSON file of values
+    /// Follow a wave: an expression, a CSV or JSON file of values, or a WAV as a curve (of music its outline)
     #[arg(long, value_name = "WAVE|FILE", help_heading = "What to follow", allow_hyphen_values = true)]
     pub wave: Option<String>,
     /// Follow labels: which movement each is, is found by itself
@@ -174,17 +176,43 @@ impl ControlArgs {
     }
 }
 
-/// Ways to scale distances.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum NormArg {
-    /// By their mean.
-    Mean,
-    /// By their largest.
-    Max,
-    /// By their 90th percentile.
-    Quantile,
-    /// By their mean; the control's are then fitted to the motion's.
-    Learned,
+/// By what distances within the clip and within the control are scaled, where it was said.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Norms {
+    /// Within the clip.
+    pub source: Option<Norm>,
+    /// Within the control.
+    pub control: Option<Norm>,
+}
+
+/// Reads `mean`, for both sides, or `source=mean,control=learned`, for one or both by name.
+fn norms(text: &str) -> Result<Norms, String> {
+    let norm = |name: &str| match name {
+        "mean" => Ok(Norm::Mean),
+        "max" => Ok(Norm::Max),
+        "quantile" => Ok(Norm::Quantile),
+        "learned" => Ok(Norm::Learned),
+        _ => Err("give mean, max, quantile or learned, or source=mean,control=learned".to_string()),
+    };
+    if !text.contains('=') {
+        let both = Some(norm(text)?);
+        return Ok(Norms { source: both, control: both });
+    }
+    let mut norms = Norms::default();
+    for part in text.split(',') {
+        let (side, name) = match part.trim().split_once('=') {
+            Some(("source", name)) => (&mut norms.source, name),
+            Some(("control", name)) => (&mut norms.control, name),
+            _ => return Err(format!("'{part}' is neither source=NORM nor control=NORM")),
+        };
+        if side.replace(norm(name)?).is_some() {
+            return Err(format!("'{part}' says a side twice"));
+        }
+    }
+    if norms.source == Some(Norm::Learned) {
+        return Err("only the control's distances can be learned: they are fitted to the clip's".to_string());
+    }
+    Ok(norms)
 }
 
 /// Presets of align.

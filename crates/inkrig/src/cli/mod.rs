@@ -5,7 +5,7 @@ mod bench;
 mod root;
 mod suggest;
 
-pub use align::{AlignArgs, ControlArgs, NormArg, PresetArg, RotationArg, VelocityArg};
+pub use align::{AlignArgs, ControlArgs, Norms, PresetArg, RotationArg, VelocityArg};
 pub use bench::{BenchAlignArgs, BenchArgs, BenchCommand};
 pub use root::{RootArgs, RootMode};
 pub use suggest::SuggestArgs;

@@ -71,6 +71,9 @@ fn wave(text: &str, samples: Option<usize>, rate: f64) -> Result<Control, CliErr
         let wave: Wave = text.parse().map_err(|error| said("--wave", error))?;
         return Control::from_wave(&wave, samples, rate).map_err(|error| with_text("--wave", error));
     };
+    if ending(&path) == "wav" {
+        return Ok(Control::from_waveform(&load::sound(&path)?, samples, rate)?);
+    }
     let bytes = load::drawing(&path)?;
     let format = Format::from_path(&path).unwrap_or(Format::Csv);
     let table = inkrig_sketch::read_wave(&bytes, format).map_err(|error| about(&path, error))?;
@@ -88,11 +91,15 @@ fn labels(text: &str, samples: Option<usize>, rate: f64) -> Result<Control, CliE
     Control::from_labels(&labels, samples, rate).map_err(|error| with_path(&path, error))
 }
 
-/// The file that a text names: one with the ending of a table. Anything else is the wave or the labels themselves.
+/// The file that a text names: one with the ending of a table or of a sound. Anything else is the wave or the labels
+/// themselves.
 pub(crate) fn file_in(text: &str) -> Option<PathBuf> {
     let path = Path::new(text);
-    let ending = path.extension()?.to_str()?.to_lowercase();
-    ["csv", "json"].contains(&ending.as_str()).then(|| path.to_path_buf())
+    ["csv", "json", "wav"].contains(&ending(path).as_str()).then(|| path.to_path_buf())
+}
+
+fn ending(path: &Path) -> String {
+    path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_lowercase()
 }
 
 fn about(path: &Path, cause: SketchError) -> CliError {

@@ -204,7 +204,8 @@ impl Parameters {
             seed: options.seed,
             mirror: options.mirror,
             on_map: args.on_map,
-            norm: format!("{:?}", options.control_norm).to_lowercase(),
+            norm: format!("source={:?},control={:?}", options.source_norm, options.control_norm)
+                .to_lowercase(),
             rotations: format!("{:?}", options.features.rotation_space).to_lowercase(),
             velocity: format!("{:?}", options.features.velocity_frame).to_lowercase(),
             threads: options.threads,

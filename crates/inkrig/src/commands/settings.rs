@@ -1,7 +1,7 @@
 //! The engine's options, as the command line says them.
 
-use crate::cli::{AlignArgs, NormArg, PresetArg, RotationArg, VelocityArg};
-use inkrig_align::{ControlKind, Norm, Options, Preset};
+use crate::cli::{AlignArgs, PresetArg, RotationArg, VelocityArg};
+use inkrig_align::{ControlKind, Options, Preset};
 use inkrig_motion::{RotationSpace, VelocityFrame};
 
 /// The number of threads that was asked for.
@@ -24,16 +24,9 @@ pub(super) fn options(args: &AlignArgs) -> Options {
         _ => ControlKind::Curve,
     };
     let mut options = Options::for_control(kind, preset);
-    if let Some(norm) = args.norm {
-        let norm = match norm {
-            NormArg::Mean => Norm::Mean,
-            NormArg::Max => Norm::Max,
-            NormArg::Quantile => Norm::Quantile,
-            NormArg::Learned => Norm::Learned,
-        };
-        options.source_norm = norm;
-        options.control_norm = norm;
-    }
+    let norms = args.norm.unwrap_or_default();
+    options.source_norm = norms.source.unwrap_or(options.source_norm);
+    options.control_norm = norms.control.unwrap_or(options.control_norm);
     let set = |slot: &mut f64, given: Option<f64>| *slot = given.unwrap_or(*slot);
     set(&mut options.alpha, args.alpha);
     set(&mut options.lambda, args.lambda);

@@ -10,7 +10,7 @@ fn report(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-fn complaint(folder: &Path, arguments: &[&str]) -> String {
+pub(super) fn complaint(folder: &Path, arguments: &[&str]) -> String {
     let output = inkrig(folder, &[&["align", "person.bvh", "-o", "never.bvh"], arguments].concat());
     assert!(!output.status.success(), "{arguments:?}");
     // Long lines are wrapped for the terminal.
@@ -27,8 +27,11 @@ fn waves_labels_and_other_motions_are_followed() {
     .unwrap();
     std::fs::write(folder.join("snake.bvh"), inkrig::samples::find("snake").unwrap().bytes).unwrap();
     std::fs::write(folder.join("tune.wav"), tune()).unwrap();
-    let cases: [(&[&str], usize); 7] = [
+    std::fs::write(folder.join("swell.wav"), swell()).unwrap();
+    let cases: [(&[&str], usize); 9] = [
         (&["--sound", "tune.wav"], 121),
+        (&["--sound", "tune.wav", "--smooth", "0", "--norm", "source=quantile"], 121),
+        (&["--wave", "swell.wav"], 120),
         (&["--wave", "sine(0.5Hz..2Hz) for 5s", "--preview", "wave.html"], 150),
         (&["--wave", "beat.csv"], 120),
         (&["--labels", "A:60 B:60 A:60", "--preview", "labels.html"], 180),
@@ -48,10 +51,19 @@ fn waves_labels_and_other_motions_are_followed() {
 
 /// Four seconds of two tones in turn, as a WAV file of 16 bits at 8 kHz.
 fn tune() -> Vec<u8> {
-    let samples = (0..32_000).map(|i| {
+    wav((0..32_000).map(|i| {
         let pitch = if i / 8000 % 2 == 0 { 220.0 } else { 660.0 };
         ((f64::from(i) / 8000.0 * pitch * std::f64::consts::TAU).sin() * 12_000.0) as i16
-    });
+    }))
+}
+
+/// Four seconds that rise and fall twice.
+fn swell() -> Vec<u8> {
+    wav((0..32_000).map(|i| ((f64::from(i) / 8000.0 * std::f64::consts::PI).sin() * 12_000.0) as i16))
+}
+
+/// A WAV file of 16 bits at 8 kHz.
+pub(super) fn wav(samples: impl Iterator<Item = i16>) -> Vec<u8> {
     let data: Vec<u8> = samples.flat_map(i16::to_le_bytes).collect();
     let mut file = b"RIFF".to_vec();
     file.extend((36 + data.len() as u32).to_le_bytes());
@@ -65,6 +77,23 @@ fn tune() -> Vec<u8> {
     file.extend((data.len() as u32).to_le_bytes());
     file.extend(data);
     file
+}
+
+#[test]
+fn each_side_is_scaled_as_it_is_said() {
+    let (_keep, folder) = desk();
+    let said = |more: &[&str]| {
+        report(&folder, &[&["--curve", "circles.csv"], more].concat())["parameters"]["norm"].clone()
+    };
+    assert_eq!(said(&[]), "source=mean,control=mean");
+    assert_eq!(said(&["--norm", "learned"]), "source=learned,control=learned");
+    assert_eq!(said(&["--norm", "control=learned"]), "source=mean,control=learned");
+    assert_eq!(said(&["--norm", "source=max,control=quantile"]), "source=max,control=quantile");
+    let refused = |norm: &str| complaint(&folder, &["--curve", "circles.csv", "--norm", norm]);
+    assert!(refused("median").contains("mean, max, quantile or learned"));
+    assert!(refused("clip=mean").contains("neither source=NORM nor control=NORM"));
+    assert!(refused("source=mean,source=max").contains("twice"));
+    assert!(refused("source=learned").contains("only the control's"));
 }
 
 #[test]
