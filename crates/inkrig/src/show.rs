@@ -54,7 +54,7 @@ pub(crate) fn sheet(alignment: &Alignment, control: &Control) -> Result<Vec<u8>,
 }
 
 /// The control as a line to look at: a curve as it is (its first two numbers), a single value over time, a label's
-/// number over time.
+/// number over time, of a sound its level over time.
 fn points(control: &Control) -> Vec<[f64; 2]> {
     /// Width of a line over time, in heights.
     const WIDTH: f64 = 2.5;
@@ -62,8 +62,13 @@ fn points(control: &Control) -> Vec<[f64; 2]> {
     let along = |frame: usize| WIDTH * frame as f64 / features.frames().max(2) as f64;
     let largest =
         |row: &[f32]| row.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index);
+    let levels = || (0..features.frames()).map(|frame| features.row(frame)[0]);
+    let (least, most) = (levels().fold(f32::INFINITY, f32::min), levels().fold(f32::NEG_INFINITY, f32::max));
     (0..features.frames())
         .map(|frame| match (control.kind, features.row(frame)) {
+            (ControlKind::Sound, row) => {
+                [along(frame), f64::from((row[0] - least) / (most - least).max(f32::MIN_POSITIVE))]
+            }
             (ControlKind::Labels, row) => {
                 [along(frame), -(largest(row) as f64) / (row.len().max(2) - 1) as f64]
             }
