@@ -2,7 +2,7 @@
 
 use crate::coarse_to_fine::{Buffers, Frames, solve};
 use crate::control::Control;
-use crate::keys::{Keys, Timing};
+use crate::prepared_clip::{PreparedClip, check_clip};
 use crate::progress::Observer;
 use crate::pyramid::{close_loop, resample_frames};
 use crate::quality::Quality;
@@ -10,7 +10,7 @@ use crate::reconstruct::{Ends, blend_clip};
 use crate::report::{Report, StageRow, notes};
 use crate::suggest::{Moment, places};
 use crate::{AlignError, Layout, Options, SoundFit, pca};
-use inkrig_motion::{Clip, FeatureLayout, Features, Takes, lead_in, time};
+use inkrig_motion::{Clip, Features, Takes, lead_in, time};
 use inkrig_transport::{Isa, Mat, MatRef, Plan};
 use std::time::Instant;
 
@@ -67,17 +67,11 @@ pub(crate) fn align_with(
     options.validate()?;
     control.validate()?;
     let mut clock = Clock::start();
-    let given = source;
-    let (source, lead_ins) = without_lead_ins(given)?;
-    check_lengths(&source, control, options)?;
-    let matched = source.decimate(options.matching_rate)?;
-    let lengths: Vec<usize> = matched.ranges().map(|range| range.len()).collect();
-    let columns = Layout::clips(&lengths, options.patch());
+    let prepared = PreparedClip::new(source, options)?;
+    check_control(&prepared.source, control, options)?;
     let (drawn, rows) = at_rate(control, options);
-    let timing = Timing { given, lead_ins: &lead_ins, source: &source, matched: &matched };
-    let keys = Keys::new(&options.keys, control, &timing, &rows, options.matching_rate)?;
-    let layout = FeatureLayout::of(&matched, &options.features);
-    let features = layout.features(&matched);
+    let keys = prepared.keys(control, &rows, options)?;
+    let PreparedClip { lead_ins, source, matched, columns, layout, features, .. } = prepared;
     clock.stage("features");
 
     let reduced = pca::reduce(table(&features)?, pca::FEATURE_ENERGY, options.threads)?;
@@ -202,25 +196,21 @@ pub(crate) fn at_rate(control: &Control, options: &Options) -> (Mat<f32>, Layout
 
 /// Says what is too short or too long before anything is made of that length.
 pub(crate) fn check_lengths(source: &Takes, control: &Control, options: &Options) -> Result<(), AlignError> {
-    let (patch, rate) = (options.patch(), options.matching_rate);
-    let needed = 2 * patch;
-    let clip_rate = source.clip().frame_rate();
-    let matched = |frames: usize| (frames.saturating_sub(1) as f64 * rate / clip_rate) as usize + 1;
-    let longest = source.ranges().map(|range| matched(range.len())).max().unwrap_or(0);
-    if longest < needed {
-        return Err(AlignError::ClipTooShort { frames: longest, rate, patch, needed });
+    check_clip(source, options)?;
+    check_control(source, control, options)
+}
+
+/// The same of a control, for a clip that was found good.
+pub(crate) fn check_control(source: &Takes, control: &Control, options: &Options) -> Result<(), AlignError> {
+    let (patch, rate, clip_rate) = (options.patch(), options.matching_rate, source.clip().frame_rate());
+    let (needed, frames) = (2 * patch, control.frames(rate));
+    if frames < needed {
+        return Err(AlignError::ControlTooShort { frames, patch, needed });
     }
-    let drawn = control.frames(rate);
-    if drawn < needed {
-        return Err(AlignError::ControlTooShort { frames: drawn, patch, needed });
+    if frames > MOST_FRAMES {
+        return Err(AlignError::TooLong { what: "the control", frames, most: MOST_FRAMES, cut: "--length" });
     }
-    let all = source.ranges().map(|range| matched(range.len())).sum();
-    for (what, frames, cut) in [("the clip", all, "--range"), ("the control", drawn, "--length")] {
-        if frames > MOST_FRAMES {
-            return Err(AlignError::TooLong { what, frames, most: MOST_FRAMES, cut });
-        }
-    }
-    let cells = (drawn as f64 * clip_rate / rate) * source.clip().skeleton().len() as f64;
+    let cells = (frames as f64 * clip_rate / rate) * source.clip().skeleton().len() as f64;
     if cells > MOST_CELLS {
         return Err(AlignError::TooFine { rate: clip_rate, joints: source.clip().skeleton().len() });
     }

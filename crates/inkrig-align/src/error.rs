@@ -88,6 +88,12 @@ pub enum AlignError {
         /// The limit, seconds.
         most: f64,
     },
+    /// Samples of a stream that cannot be taken.
+    #[error("these samples cannot be taken: {what}")]
+    Samples {
+        /// Why.
+        what: &'static str,
+    },
     /// A keyframe that cannot be met.
     #[error("a keyframe cannot be met: {what}")]
     Key {

@@ -123,11 +123,11 @@ impl<'a> Level<'a> {
         ((motion.view(), rows), (self.source.frames.view(), columns))
     }
 
-    fn bias(&self, alpha: f64) -> Option<Mat<f32>> {
+    pub(crate) fn bias(&self, alpha: f64) -> Option<Mat<f32>> {
         self.asked.cost(self.source.distances.view(), self.control.layout.patches(), alpha)
     }
 
-    fn problem<'b>(
+    pub(crate) fn problem<'b>(
         &'b self,
         distances: &'b Mat<f32>,
         cost: Option<MatRef<'b, f32>>,

@@ -16,12 +16,14 @@ mod explain;
 mod keys;
 mod layout;
 mod level;
+mod live;
 pub mod measures;
 mod options;
 pub mod patches;
 pub mod pca;
 mod polish;
 mod prepared;
+mod prepared_clip;
 mod progress;
 pub mod pyramid;
 mod quality;
@@ -40,6 +42,9 @@ pub use error::AlignError;
 pub use explain::{Alternative, Explanation, alternatives};
 pub use keys::{Key, Keys, Place};
 pub use layout::{Layout, Run};
+pub use live::{
+    LiveAlignment, LiveAnswer, LiveEvent, LiveObserver, StreamAlignment, StreamOptions, StreamPiece,
+};
 pub use options::{Norm, Options, Preset};
 pub use progress::{Observer, Progress};
 pub use quality::Quality;

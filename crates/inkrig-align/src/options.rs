@@ -144,6 +144,13 @@ impl Options {
         options
     }
 
+    /// The same with a schedule for answers while a stroke is being drawn: 4 levels of 2 rounds of 3 gradients, 3 scouts
+    /// of 5 and 12 more: 51 gradients for 132, at about a third of the time.
+    #[must_use]
+    pub fn preview_schedule(self) -> Self {
+        Self { levels: 4, rounds: 2, iterations: 3, starts: 3, scouting: 5, first_iterations: 12, ..self }
+    }
+
     /// Frames of a patch at the matching rate, at least 2.
     pub fn patch(&self) -> usize {
         ((self.patch_seconds * self.matching_rate).round() as usize).max(2)
@@ -201,6 +208,7 @@ mod tests {
         let options = Options::default();
         assert!(options.validate().is_ok());
         assert_eq!((options.patch(), options.gradients()), (11, 132));
+        assert_eq!(options.preview_schedule().gradients(), 51);
     }
 
     #[test]

@@ -73,34 +73,41 @@ pub fn normalised_self_distances<T: Real>(
     threads: usize,
 ) -> Result<Option<T>, TransportError> {
     patch_distances((frames, layout), (frames, layout), T::ONE, scratch, out, threads)?;
-    let count = out.rows();
-    let mut total = 0.0;
-    for i in 0..count {
-        let row = out.row_mut(i);
-        row[i] = T::ZERO;
-        total += row.iter().map(|value| value.to_f64()).sum::<f64>();
-    }
+    (0..out.rows()).for_each(|i| out.row_mut(i)[i] = T::ZERO);
+    Ok(normalise(out, norm, scratch.norms.iter().copied()))
+}
+
+/// Divides distances between the patches of one table by their [`Norm`], and makes them symmetric; `squares` are the
+/// squared lengths of its frames. Returns the factor, or `None`, when all patches are alike.
+pub(crate) fn normalise<T: Real>(
+    distances: &mut Mat<T>,
+    norm: Norm,
+    squares: impl Iterator<Item = T>,
+) -> Option<T> {
+    let count = distances.rows();
+    let total: f64 =
+        (0..count).map(|i| distances.row(i).iter().map(|value| value.to_f64()).sum::<f64>()).sum();
     let mean = total / (count * count) as f64;
     // Rounding leaves distances of this size between equal patches.
-    let noise = 1e-6 * (1.0 + scratch.norms.iter().map(|norm| norm.to_f64()).fold(0.0, f64::max).sqrt());
+    let noise = 1e-6 * (1.0 + squares.map(Real::to_f64).fold(0.0, f64::max).sqrt());
     if !(mean.is_finite() && mean > noise) {
-        return Ok(None);
+        return None;
     }
     let size = match norm {
         Norm::Mean | Norm::Learned => mean,
-        Norm::Max => quantile(out, 1.0),
-        Norm::Quantile => quantile(out, 0.9).max(mean),
+        Norm::Max => quantile(distances, 1.0),
+        Norm::Quantile => quantile(distances, 0.9).max(mean),
     };
     // A float product is symmetric only up to rounding; the solver's gradient takes symmetry as given.
     let scale = T::from_f64(1.0 / size);
     for i in 0..count {
         for j in 0..i {
-            let value = out.row(j)[i] * scale;
-            out.row_mut(j)[i] = value;
-            out.row_mut(i)[j] = value;
+            let value = distances.row(j)[i] * scale;
+            distances.row_mut(j)[i] = value;
+            distances.row_mut(i)[j] = value;
         }
     }
-    Ok(Some(scale))
+    Some(scale)
 }
 
 /// The distance below which a share of all distances lies.

@@ -33,7 +33,7 @@ pub struct LevelTable {
 #[derive(Debug, Clone)]
 pub struct Prepared {
     layout: Layout,
-    levels: Vec<LevelTable>,
+    pub(crate) levels: Vec<LevelTable>,
 }
 
 impl Prepared {

@@ -1,8 +1,8 @@
 //! From frame weights to a clip at the clip's own frame rate.
 
 use crate::{AlignError, Options};
-use inkrig_motion::channels::PoseChannels;
-use inkrig_motion::{Clip, Takes, time::whole_ratio};
+use inkrig_motion::channels::{Journey, PoseChannels};
+use inkrig_motion::{Clip, Features, Takes, time::whole_ratio};
 use inkrig_transport::Mat;
 
 /// What comes after the last row of weights.
@@ -34,35 +34,107 @@ pub fn blend_clip(
     (ends, exact): (Ends, &[(usize, usize)]),
     options: &Options,
 ) -> Result<Clip, AlignError> {
-    let (layout, rows) = PoseChannels::of(source, options.travel);
-    let rate = source.clip().frame_rate();
-    let step = frames_per_sample(rate, matched.clip().frame_rate());
-    let rows_of_weights: Vec<Vec<(usize, f32)>> =
-        (0..weights.rows()).map(|row| kept(weights.row(row))).collect();
-    let frames = (weights.rows() as f64 * step).round().max(1.0) as usize;
-    let mut out = vec![0.0_f32; frames * layout.width()];
-    let mut shares = Shares::new(source, matched);
-    for (frame, values) in out.chunks_exact_mut(layout.width()).enumerate() {
+    PoseBlend::new(source, matched, options).clip(weights, (ends, exact))
+}
+
+/// A source that is ready to be blended, any number of times.
+#[derive(Debug, Clone)]
+pub(crate) struct PoseBlend {
+    layout: PoseChannels,
+    poses: Features,
+    rate: f64,
+    /// Frames per row of weights.
+    step: f64,
+    /// Frames over which the blend goes over into an exact one.
+    reach: f64,
+    shares: Shares,
+}
+
+impl PoseBlend {
+    pub(crate) fn new(source: &Takes, matched: &Takes, options: &Options) -> Self {
+        let (layout, poses) = PoseChannels::of(source, options.travel);
+        let rate = source.clip().frame_rate();
+        let step = frames_per_sample(rate, matched.clip().frame_rate());
+        let reach = 0.5 * options.patch() as f64 * step;
+        Self { layout, poses, rate, step, reach, shares: Shares::new(source, matched) }
+    }
+
+    /// As [`blend_clip`].
+    pub(crate) fn clip(
+        &mut self,
+        weights: &Mat<f32>,
+        (ends, exact): (Ends, &[(usize, usize)]),
+    ) -> Result<Clip, AlignError> {
+        let rows: Vec<SparseRow> = (0..weights.rows()).map(|row| kept(weights.row(row))).collect();
+        let frames = (rows.len() as f64 * self.step).round().max(1.0) as usize;
+        let width = self.layout.width();
+        let mut out = vec![0.0_f32; frames * width];
         // After its last row a loop goes on to its first; anything else stays where it is.
-        let last = (weights.rows() - 1) as f64;
-        let place = (frame as f64 / step).min(if ends == Ends::Loop { last + 1.0 - 1e-9 } else { last });
-        let row = place.floor() as usize;
-        let part = place - row as f64;
-        shares.add(&rows_of_weights[row], 1.0 - part, step, part);
+        let last = (rows.len() - 1) as f64;
+        let last = if ends == Ends::Loop { last + 1.0 - 1e-9 } else { last };
+        for (frame, values) in out.chunks_exact_mut(width).enumerate() {
+            let place = (frame as f64 / self.step).min(last);
+            let row = place.floor() as usize;
+            self.mix((&rows[row], &rows[(row + 1) % rows.len()]), place - row as f64);
+            for &(at, key) in exact {
+                self.shares.fade_to(key, frame as isize - at as isize, self.reach);
+            }
+            self.take(values);
+        }
+        Ok(self.layout.to_clip(&out, self.rate)?)
+    }
+
+    /// The frames that `rows` allow, of a motion that goes on: `first` is the number of the first row, `given` counts the
+    /// frames handed out before. Up to the last row's own moment, or, at the motion's `end`, up to its end.
+    pub(crate) fn piece(
+        &mut self,
+        rows: &[SparseRow],
+        first: usize,
+        given: usize,
+        end: bool,
+        journey: &mut Journey,
+    ) -> Result<Option<Clip>, AlignError> {
+        let last = (first + rows.len() - 1) as f64;
+        let frames = if end {
+            ((last + 1.0) * self.step).round() as usize
+        } else {
+            (last * self.step + 1e-9).floor() as usize + 1
+        };
+        if frames <= given {
+            return Ok(None);
+        }
+        let width = self.layout.width();
+        let mut out = vec![0.0_f32; (frames - given) * width];
+        for (frame, values) in (given..frames).zip(out.chunks_exact_mut(width)) {
+            let place = (frame as f64 / self.step).clamp(first as f64, last) - first as f64;
+            let row = place.floor() as usize;
+            self.mix((&rows[row], &rows[(row + 1).min(rows.len() - 1)]), place - row as f64);
+            self.take(values);
+        }
+        Ok(Some(self.layout.to_clip_from(&out, self.rate, journey)?))
+    }
+
+    /// The shares of a frame that lies between two rows of weights, `part` of the way.
+    fn mix(&mut self, (a, b): (&SparseRow, &SparseRow), part: f64) {
+        self.shares.add(a, 1.0 - part, self.step, part);
         if part > 0.0 {
-            shares.add(&rows_of_weights[(row + 1) % weights.rows()], part, step, part - 1.0);
+            self.shares.add(b, part, self.step, part - 1.0);
         }
-        for &(at, key) in exact {
-            shares.fade_to(key, frame as isize - at as isize, 0.5 * options.patch() as f64 * step);
-        }
-        shares.take(|index, weight| {
-            for (value, &channel) in values.iter_mut().zip(rows.row(index)) {
+    }
+
+    /// The pose of the shares.
+    fn take(&mut self, values: &mut [f32]) {
+        let poses = &self.poses;
+        self.shares.take(|index, weight| {
+            for (value, &channel) in values.iter_mut().zip(poses.row(index)) {
                 *value += weight * channel;
             }
         });
     }
-    Ok(layout.to_clip(&out, rate)?)
 }
+
+/// Columns and weights of a row, without those that are nothing but rounding.
+pub(crate) type SparseRow = Vec<(usize, f32)>;
 
 /// Frames of a clip per matched frame; exact where frames were picked, so that no interpolation creeps in.
 pub fn frames_per_sample(rate: f64, matching_rate: f64) -> f64 {
@@ -70,11 +142,12 @@ pub fn frames_per_sample(rate: f64, matching_rate: f64) -> f64 {
 }
 
 /// The columns of a row whose weight is more than rounding.
-fn kept(row: &[f32]) -> Vec<(usize, f32)> {
+pub(crate) fn kept(row: &[f32]) -> SparseRow {
     row.iter().copied().enumerate().filter(|(_, weight)| *weight > LEAST_WEIGHT).collect()
 }
 
 /// The shares that the source's frames have in one output frame.
+#[derive(Debug, Clone)]
 struct Shares {
     /// First matched frame, first own frame and last own frame of every take.
     takes: Vec<(usize, usize, usize)>,

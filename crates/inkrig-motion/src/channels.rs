@@ -32,6 +32,15 @@ pub struct PoseChannels {
     width: usize,
 }
 
+/// Where a motion that comes in pieces has got to; the default is before its beginning.
+#[derive(Debug, Clone, Default)]
+pub struct Journey {
+    place: Vec3,
+    heading: f32,
+    /// The last rotations.
+    pose: Vec<Quat>,
+}
+
 impl PoseChannels {
     /// The layout for a character's takes, and their own rows (frames x width).
     pub fn of(takes: &Takes, frame: VelocityFrame) -> (Self, Features) {
@@ -74,21 +83,36 @@ impl PoseChannels {
     /// # Errors
     /// When the table is empty or ragged, holds a number that is not finite, or the frame rate is not usable.
     pub fn to_clip(&self, rows: &[f32], frame_rate: f64) -> Result<Clip, MotionError> {
+        self.to_clip_from(rows, frame_rate, &mut Journey::default())
+    }
+
+    /// As [`to_clip`](Self::to_clip), for a motion that comes in pieces: each goes on where the one before it ended.
+    ///
+    /// # Errors
+    /// As for [`to_clip`](Self::to_clip).
+    pub fn to_clip_from(
+        &self,
+        rows: &[f32],
+        frame_rate: f64,
+        journey: &mut Journey,
+    ) -> Result<Clip, MotionError> {
         let rows = Features::new(rows.to_vec(), self.width)?;
         let joints = self.skeleton.joints();
         let mut rotations = vec![Quat::IDENTITY; rows.frames() * joints.len()];
         let mut travel = Vec::with_capacity(rows.frames());
         let mut others: Vec<Vec<Vec3>> = vec![Vec::with_capacity(rows.frames()); self.tracks.len()];
-        let (mut place, mut heading) = (self.start, 0.0_f32);
+        let begun = journey.pose.len() == joints.len();
+        let (mut place, mut heading) =
+            if begun { (journey.place, journey.heading) } else { (self.start, 0.0) };
         for frame in 0..rows.frames() {
             let mut row = Row(rows.row(frame));
             let step = row.vector();
             if self.in_heading_frame() {
                 let [yaw_rate] = row.take();
-                heading += if frame > 0 { yaw_rate } else { 0.0 };
+                heading += if frame > 0 || begun { yaw_rate } else { 0.0 };
             }
             let facing = Quat::from_rotation_y(heading);
-            if frame > 0 {
+            if frame > 0 || begun {
                 place += facing * Vec3::new(step.x, 0.0, step.z);
             }
             place.y = step.y;
@@ -99,7 +123,11 @@ impl PoseChannels {
             }
             for (index, _) in joints.iter().enumerate().filter(|(_, joint)| !joint.end_site) {
                 let slot = frame * joints.len() + index;
-                let before = if frame > 0 { rotations[slot - joints.len()] } else { Quat::IDENTITY };
+                let before = match frame {
+                    0 if begun => journey.pose[index],
+                    0 => Quat::IDENTITY,
+                    _ => rotations[slot - joints.len()],
+                };
                 rotations[slot] = match from_6d(row.six()) {
                     None => before,
                     Some(rotation) if index == self.travel_joint => {
@@ -110,6 +138,8 @@ impl PoseChannels {
                 };
             }
         }
+        (journey.place, journey.heading) = (place, heading);
+        journey.pose = rotations[rotations.len() - joints.len()..].to_vec();
         let mut translations: Vec<TranslationTrack> = (self.tracks.iter().zip(others))
             .map(|(&joint, values)| TranslationTrack { joint, values })
             .collect();
@@ -218,6 +248,24 @@ mod tests {
             for frame in 0..clip.frames() {
                 for (a, b) in expected.frame(frame).iter().zip(got.frame(frame)) {
                     assert!(a.distance(*b) < 2e-3, "frame {frame}: {a} became {b}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pieces_go_on_where_the_one_before_ended() {
+        let clip = skater();
+        for frame in [VelocityFrame::World, VelocityFrame::Heading] {
+            let (layout, rows) = PoseChannels::of(&clip.clone().into(), frame);
+            let whole = layout.to_clip(rows.as_slice(), 30.0).unwrap();
+            let mut journey = Journey::default();
+            for range in [0..7, 7..8, 8..40] {
+                let part = &rows.as_slice()[range.start * layout.width()..range.end * layout.width()];
+                let piece = layout.to_clip_from(part, 30.0, &mut journey).unwrap();
+                for (frame, at) in range.enumerate() {
+                    assert_eq!(piece.rotations(frame), whole.rotations(at));
+                    assert_eq!(piece.track(1).unwrap()[frame], whole.track(1).unwrap()[at]);
                 }
             }
         }
