@@ -71,7 +71,7 @@ pub(crate) fn align_with(
     check_control(&prepared.source, control, options)?;
     let (drawn, rows) = at_rate(control, options);
     let keys = prepared.keys(control, &rows, options)?;
-    let PreparedClip { lead_ins, source, matched, columns, layout, features, .. } = prepared;
+    let PreparedClip { given, lead_ins, source, matched, columns, layout, features } = prepared;
     clock.stage("features");
 
     let reduced = pca::reduce(table(&features)?, pca::FEATURE_ENERGY, options.threads)?;
@@ -86,7 +86,7 @@ pub(crate) fn align_with(
     let ring = if control.cyclic { Ends::Loop } else { Ends::Open };
     let clip = blend_clip(&source, &matched, &matching.weights, (ring, &keys.exact), options)?;
     let (best_source, confidence) = most_used(&matching.weights, options.matching_rate);
-    let places = places(given, &lead_ins, &matched);
+    let places = places(&given, &lead_ins, &matched);
     let place = |seconds: &f32| (f64::from(*seconds) * options.matching_rate).round() as usize;
     let used = best_source.iter().filter_map(|seconds| places.get(place(seconds)).copied()).collect();
     clock.stage("reconstruction");
