@@ -18,7 +18,7 @@ pub(super) fn joint_paths(skeleton: &Skeleton) -> (Vec<String>, usize) {
             number += 1;
             path = format!("{above}{plain}_{number}");
         }
-        renamed += usize::from(!path.ends_with(&joint.name));
+        renamed += usize::from(path.get(above.len()..) != Some(joint.name.as_str()));
         taken.insert(path.clone());
         paths.push(path);
     }
@@ -58,6 +58,6 @@ mod tests {
             "_".to_string(),
         ];
         assert_eq!(paths, expected);
-        assert_eq!(renamed, 4, "the digit, the letter with its accent, the doubled one and the prefix");
+        assert_eq!(renamed, 5, "the prefix, the digit, the letter with its accent, the doubled one, the empty one");
     }
 }
