@@ -58,6 +58,9 @@ mod tests {
             "_".to_string(),
         ];
         assert_eq!(paths, expected);
-        assert_eq!(renamed, 5, "the prefix, the digit, the letter with its accent, the doubled one, the empty one");
+        assert_eq!(
+            renamed, 5,
+            "the prefix, the digit, the letter with its accent, the doubled one, the empty one"
+        );
     }
 }
