@@ -120,8 +120,13 @@ pub struct Bar {
 impl Bar {
     /// Shows how far the work is, and says whether it shall go on.
     pub fn update(&self, progress: Progress) -> ControlFlow<()> {
-        self.bar.set_length(progress.total as u64);
-        self.bar.set_position(progress.done as u64);
+        self.at(progress.done, progress.total)
+    }
+
+    /// The same for work that is counted in another way.
+    pub fn at(&self, done: usize, total: usize) -> ControlFlow<()> {
+        self.bar.set_length(total as u64);
+        self.bar.set_position(done as u64);
         if self.interrupt.pressed.load(SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 

@@ -8,6 +8,7 @@ use crate::sheet::SheetError;
 use inkrig_align::AlignError;
 use inkrig_formats::FormatError;
 use inkrig_motion::MotionError;
+use inkrig_motion::retarget::RetargetError;
 use inkrig_sketch::SketchError;
 use inkrig_sound::SoundError;
 use miette::Diagnostic;
@@ -127,6 +128,41 @@ pub enum CliError {
     /// Two results would go to one file, or a result over an input.
     #[error("{} is named twice: every input and result needs a name of its own", printable::path(.0))]
     SameFile(PathBuf),
+    /// Several inputs, and no folder for them.
+    #[error("{} cannot hold several files", printable::path(.0))]
+    #[diagnostic(help("name a folder, and a format by --to bvh, glb or usda"))]
+    OneFolder(PathBuf),
+    /// No file has such a name.
+    #[error("no file is called {}", printable::path(.0))]
+    NothingFits(PathBuf),
+    /// Some of many files were not converted.
+    #[error("{failed} of {total} files were not converted")]
+    #[diagnostic(help("{list}"))]
+    NotConverted {
+        /// How many were not.
+        failed: usize,
+        /// Of how many.
+        total: usize,
+        /// Why, one line each.
+        list: String,
+    },
+    /// A motion cannot be put on another character.
+    #[error("{}: {}", printable::path(path), printable::text(cause))]
+    Retarget {
+        /// The file of the one of the two that stands in the way.
+        path: PathBuf,
+        /// Why.
+        cause: Box<RetargetError>,
+    },
+    /// A result that does not keep its limits was not wanted.
+    #[error("{} was not written: {broken}", printable::path(path))]
+    #[diagnostic(help("without --strict it is written, with this as a warning"))]
+    Strict {
+        /// The file.
+        path: PathBuf,
+        /// What is not kept.
+        broken: String,
+    },
     /// No case of the benchmark has such a name.
     #[error("no case of the benchmark is called {}", printable::text(asked))]
     #[diagnostic(help("the cases are: {}", printable::text(known)))]

@@ -43,3 +43,4 @@ pub mod sheet;
 mod show;
 pub mod span;
 mod temporary;
+mod wildcard;

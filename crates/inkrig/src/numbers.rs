@@ -46,6 +46,11 @@ pub(crate) fn repeats(text: &str) -> Result<usize, String> {
     within(text, 1..=1000, "runs")
 }
 
+/// Size of one character over that of another.
+pub(crate) fn scale(text: &str) -> Result<f64, String> {
+    within(text, 1e-4..=1e4, "times")
+}
+
 /// Metres in a unit of a file.
 pub(crate) fn unit(text: &str) -> Result<f64, String> {
     within(text, 1e-6..=1e6, "metres (0.01 for centimetres)")

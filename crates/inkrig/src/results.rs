@@ -62,7 +62,7 @@ pub(crate) fn write<R: Serialize>(
     let stage = console.stage("writing the motion");
     let written = write_motion(
         &alignment.clip,
-        written_as(places.motion, made.source),
+        format_of(places.motion)?,
         &ExportOptions { name: Some(made.title.to_string()), ..ExportOptions::like(made.source) },
     )?;
     drop(stage);
@@ -95,8 +95,14 @@ pub(crate) fn write<R: Serialize>(
     Ok(record)
 }
 
-/// The format of a file name, else the source's own.
-fn written_as(path: &Path, source: &SourceInfo) -> Format {
-    let extension = path.extension().and_then(|extension| extension.to_str());
-    extension.and_then(Format::from_extension).unwrap_or(source.format)
+/// The format of a result, by its name.
+///
+/// # Errors
+/// When the name says none that is written.
+pub(crate) fn format_of(path: &Path) -> Result<Format, CliError> {
+    let known = "results are written as .bvh, .glb, .usda, .vrma, and into a .gltf or .vrm that was read";
+    let format = path.extension().and_then(|extension| Format::from_extension(extension.to_str()?));
+    format
+        .filter(|format| format.is_written())
+        .ok_or_else(|| CliError::Kind { path: path.to_path_buf(), known })
 }

@@ -5,6 +5,7 @@
 //! height of the hips. Feet that stand in the source stand in the target.
 
 mod calibrate;
+mod certificate;
 mod feet;
 mod plan;
 mod reference;
@@ -12,6 +13,7 @@ mod transfer;
 
 use crate::rig::{Humanoid, Missing};
 use crate::{Clip, MotionError, Skeleton};
+pub use certificate::{Broken, Certificate, CertificateLimits, LimbDirection, Spread};
 use plan::Plan;
 use std::sync::Arc;
 
@@ -41,6 +43,8 @@ pub struct Retargeted {
     pub pairs: Vec<(usize, usize)>,
     /// When each foot stood in the source: side (0 is left), first frame, last frame.
     pub contacts: Vec<(usize, usize, usize)>,
+    /// Height of the ground that the target stands on, metres.
+    pub ground: f32,
 }
 
 /// Why a motion cannot be carried over.
@@ -77,13 +81,11 @@ pub fn retarget(
     let reference = reference::find(source, &from);
     let calibration = calibrate::calibrate(&reference, target, &plan, options)?;
     let mut moved = transfer::transfer(source, target, &plan, &calibration);
-    let contacts = if options.keep_feet {
-        let contacts = feet::contacts(source, &from, calibration.source_ground, calibration.leg);
+    let contacts = feet::contacts(source, &from, calibration.source_ground, calibration.leg);
+    if options.keep_feet {
         feet::keep(&mut moved, target, &onto, &contacts, source.frame_rate());
-        contacts
-    } else {
-        Vec::new()
-    };
+    }
     let clip = moved.into_clip(target, onto.hips, source.frame_rate())?;
-    Ok(Retargeted { clip, scale: calibration.scale, pairs: plan.pairs(), contacts })
+    let (scale, ground) = (calibration.scale, calibration.target_ground);
+    Ok(Retargeted { clip, scale, pairs: plan.pairs(), contacts, ground })
 }

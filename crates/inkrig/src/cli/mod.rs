@@ -2,11 +2,15 @@
 
 mod align;
 mod bench;
+mod convert;
+mod retarget;
 mod root;
 mod suggest;
 
 pub use align::{AlignArgs, ControlArgs, Norms, PresetArg, RotationArg, VelocityArg};
 pub use bench::{BenchAlignArgs, BenchArgs, BenchCommand};
+pub use convert::{ConvertArgs, ToArg};
+pub use retarget::RetargetArgs;
 pub use root::{RootArgs, RootMode};
 pub use suggest::SuggestArgs;
 
@@ -43,6 +47,12 @@ pub enum Command {
     Align(Box<AlignArgs>),
     /// Measure quality and speed, beside simpler methods
     Bench(BenchArgs),
+    /// Write motion files in other formats, one or many
+    #[command(after_help = convert::EXAMPLES)]
+    Convert(Box<ConvertArgs>),
+    /// Put a motion on another character, and say how exact it is
+    #[command(after_help = retarget::EXAMPLES)]
+    Retarget(Box<RetargetArgs>),
     /// Say what is in a motion file: skeleton, frames, unit, problems
     #[command(after_help = "Examples:\n  inkrig inspect walk.bvh\n  inkrig inspect walk.bvh --json")]
     Inspect(InspectArgs),
@@ -82,7 +92,7 @@ pub struct InspectArgs {
 }
 
 /// How to read a motion file.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub struct ImportArgs {
     /// Metres in one unit of the file (0.01 for centimetres); guessed if not given
     #[arg(long, value_name = "METRES", value_parser = numbers::unit, allow_negative_numbers = true, help_heading = "Reading")]

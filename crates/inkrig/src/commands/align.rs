@@ -15,7 +15,7 @@ use crate::results::{self, Made, Places};
 use crate::span::Span;
 use crate::{load, names, printable, span};
 use inkrig_align::{Alternative, Control, Norm, Options, align, alternatives, keys_on_map};
-use inkrig_formats::{Format, Import, SourceInfo};
+use inkrig_formats::{Import, SourceInfo};
 use inkrig_motion::{Clip, MotionError, Takes, cycle, time};
 use std::path::{Path, PathBuf};
 
@@ -217,7 +217,7 @@ pub(super) fn source(
 }
 
 /// Reads a motion and says what is odd in it.
-fn motion(
+pub(super) fn motion(
     path: &Path,
     options: &ImportArgs,
     console: &Console,
@@ -234,7 +234,7 @@ fn motion(
 }
 
 /// The part of a clip that was asked for.
-fn cut(clip: Clip, path: &Path, range: Option<Span>) -> Result<Clip, CliError> {
+pub(super) fn cut(clip: Clip, path: &Path, range: Option<Span>) -> Result<Clip, CliError> {
     let Some(range) = range else { return Ok(clip) };
     let frames = range.frames(clip.frame_rate(), clip.frames());
     if frames.is_empty() {
@@ -246,11 +246,7 @@ fn cut(clip: Clip, path: &Path, range: Option<Span>) -> Result<Clip, CliError> {
 
 /// Says before any work whether the results can be written, each to a file of its own.
 fn check_names(args: &AlignArgs, output: Output) -> Result<(), CliError> {
-    let format = args.out.extension().and_then(|extension| Format::from_extension(extension.to_str()?));
-    if !format.is_some_and(Format::is_written) {
-        let known = "results are written as .bvh, .glb, .usda, .vrma, and into a .gltf or .vrm that was read";
-        return Err(CliError::Kind { path: args.out.clone(), known });
-    }
+    results::format_of(&args.out)?;
     let inputs = args.inputs();
     let names: Vec<Numbered> = (0..args.solutions).map(|index| Numbered::of(args, index)).collect();
     let places = || names.iter().flat_map(|names| names.places().all());

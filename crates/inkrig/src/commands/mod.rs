@@ -2,12 +2,15 @@
 
 mod align;
 mod bench;
+mod certificate;
 pub(crate) mod control;
+mod convert;
 mod demo;
 mod demo_files;
 mod inspect;
 mod keys;
 mod record;
+mod retarget;
 mod settings;
 mod suggest;
 
@@ -25,6 +28,8 @@ pub fn run(cli: Cli) -> Result<(), CliError> {
     match cli.command {
         Command::Align(args) => align::run(&args, &console),
         Command::Bench(args) => bench::run(&args, &console),
+        Command::Convert(args) => convert::run(&args, &console),
+        Command::Retarget(args) => retarget::run(&args, &console),
         Command::Demo(args) => demo::run(&args, &console),
         Command::Inspect(args) => inspect::run(&args, &console),
         Command::Suggest(args) => suggest::run(&args, &console),

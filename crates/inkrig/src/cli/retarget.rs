@@ -1,0 +1,61 @@
+//! What can be said to `inkrig retarget`.
+
+use super::ImportArgs;
+use crate::numbers;
+use crate::span::Span;
+use clap::{Args, ValueHint};
+use std::path::PathBuf;
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  inkrig retarget walk.bvh --onto hero.glb -o hero-walk.glb
+      the walk in a copy of your character's own file, mesh and materials as they are
+  inkrig retarget dance.glb --clip Waltz --onto dancer.bvh -o waltz.bvh --sheet waltz.png
+      one clip of several, on another skeleton, with a contact sheet
+  inkrig retarget walk.bvh --onto hero.glb -o hero-walk.glb --report walk.json --strict
+      the certificate as a file; nothing is written where a limit is not kept
+
+The certificate says how exact the result is: how well limbs point where they did (limit: 5 degrees for 95 of 100
+frames), and how far standing feet slide (limit: 5 mm a frame). Both characters are two-legged, their joints named as
+common programs do.";
+
+/// Arguments of `inkrig retarget`.
+#[derive(Debug, Args)]
+pub struct RetargetArgs {
+    /// The motion: a file of any format that is read
+    #[arg(value_name = "MOTION", value_hint = ValueHint::FilePath)]
+    pub motion: PathBuf,
+    /// The character that shall move so: a file of any format that is read, with or without a motion
+    #[arg(long, value_name = "CHARACTER", value_hint = ValueHint::FilePath)]
+    pub onto: PathBuf,
+    /// The file to write: .bvh, .glb (for a character from a GLB a copy of it with the new clip), .usda, .vrma
+    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
+    pub out: PathBuf,
+    /// Size of the character over that of the one in the motion; else the ratio of their hips' heights
+    #[arg(long, value_name = "RATIO", value_parser = numbers::scale, allow_negative_numbers = true)]
+    pub scale: Option<f64>,
+    /// Do not hold standing feet in place
+    #[arg(long)]
+    pub no_keep_feet: bool,
+    /// Frames a second of the result, 0.1 to 1000; else the motion's own
+    #[arg(long, value_name = "RATE", value_parser = numbers::fps, allow_negative_numbers = true)]
+    pub fps: Option<f64>,
+    /// Use only a part of the motion: frames of the file or seconds
+    #[arg(long, value_name = "FROM..TO")]
+    pub range: Option<Span>,
+    /// Write the result only if the certificate's limits are kept
+    #[arg(long)]
+    pub strict: bool,
+    /// Write the certificate as JSON
+    #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath, help_heading = "More results")]
+    pub report: Option<PathBuf>,
+    /// Write a contact sheet of poses
+    #[arg(long, value_name = "FILE.png", value_hint = ValueHint::FilePath, help_heading = "More results")]
+    pub sheet: Option<PathBuf>,
+    /// Replace files that are there already
+    #[arg(long, help_heading = "More results")]
+    pub force: bool,
+    #[command(flatten)]
+    /// How to read the motion.
+    pub import: ImportArgs,
+}

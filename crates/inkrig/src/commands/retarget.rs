@@ -1,0 +1,163 @@
+//! `inkrig retarget`: a motion on another character, with a certificate.
+
+use super::align::{cut, motion};
+use super::certificate::CertificateRecord;
+use crate::cli::{ImportArgs, RetargetArgs};
+use crate::console::Console;
+use crate::error::CliError;
+use crate::output::Output;
+use crate::printable::{self, counted, fixed, json_path};
+use crate::sheet::{SheetOptions, contact_sheet};
+use crate::span::seconds;
+use crate::{load, names, results};
+use inkrig_formats::{ExportOptions, Import, write_motion};
+use inkrig_motion::retarget::{
+    Certificate, CertificateLimits, RetargetError, RetargetOptions, Retargeted, retarget,
+};
+use inkrig_motion::{Clip, time};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+pub(super) fn run(args: &RetargetArgs, console: &Console) -> Result<(), CliError> {
+    let output = Output { force: args.force };
+    let format = results::format_of(&args.out)?;
+    check_names(args, output)?;
+    let mut warnings = Vec::new();
+    let import = motion(&args.motion, &args.import, console, &mut warnings)?;
+    let character = motion(&args.onto, &ImportArgs::default(), console, &mut warnings)?;
+    let name = name(&import, &args.motion);
+    let mut clip = cut(import.clip, &args.motion, args.range)?;
+    if let Some(rate) = args.fps {
+        // Before anything is carried over: what is measured is what is written.
+        clip = time::resample(&clip, rate)?;
+    }
+    let stage = console.stage("carrying the motion over");
+    let (moved, certificate) = carry_over(args, &clip, &character)?;
+    let broken = certificate.broken(&CertificateLimits::default());
+    let certificate = CertificateRecord::of(&certificate, &broken);
+    let refused = args.strict && !broken.is_empty();
+    let mut files: Vec<(&Path, Vec<u8>)> = Vec::new();
+    if !refused {
+        let options = ExportOptions { name: Some(name), ..ExportOptions::like(&character.source) };
+        let written = write_motion(&moved.clip, format, &options)?;
+        for warning in load::warnings(&written.findings, &args.out) {
+            console.warn(&warning);
+            warnings.push(warning);
+        }
+        files.push((&args.out, written.bytes));
+        if let Some(path) = &args.sheet {
+            files.push((path, contact_sheet(&moved.clip, &SheetOptions::default())?));
+        }
+    }
+    let record = Record::of(args, &moved.clip, certificate, !refused, warnings);
+    if let Some(path) = &args.report {
+        // Also of a result that is refused: it says why.
+        files.push((path, serde_json::to_vec_pretty(&record)?));
+    }
+    drop(stage);
+    for (path, bytes) in &files {
+        output.write(path, bytes)?;
+    }
+    console.say(record.text())?;
+    for (path, _) in files.iter().filter(|(path, _)| *path != args.out) {
+        console.say(format!("wrote {}", printable::path(path)))?;
+    }
+    console.result(&record)?;
+    if refused {
+        return Err(CliError::Strict { path: args.out.clone(), broken: record.certificate.broken_text() });
+    }
+    Ok(())
+}
+
+fn carry_over(
+    args: &RetargetArgs,
+    clip: &Clip,
+    character: &Import,
+) -> Result<(Retargeted, Certificate), CliError> {
+    let options =
+        RetargetOptions { scale: args.scale.map(|scale| scale as f32), keep_feet: !args.no_keep_feet };
+    let about = |cause: RetargetError| {
+        let path = match cause {
+            RetargetError::Target(_) | RetargetError::NoLegs("character") => &args.onto,
+            _ => &args.motion,
+        };
+        CliError::Retarget { path: path.clone(), cause: Box::new(cause) }
+    };
+    let moved = retarget(clip, character.clip.skeleton(), &options).map_err(about)?;
+    let certificate = Certificate::of(clip, &moved).map_err(about)?;
+    Ok((moved, certificate))
+}
+
+/// What the clip is called in a file that names its clips.
+fn name(import: &Import, path: &Path) -> String {
+    let own = import.clip_index.and_then(|index| import.clips.get(index)).map(|clip| clip.name.clone());
+    own.or_else(|| Some(path.file_stem()?.to_string_lossy().into_owned())).unwrap_or_default()
+}
+
+/// Says before any work whether the results can be written, each to a file of its own.
+fn check_names(args: &RetargetArgs, output: Output) -> Result<(), CliError> {
+    let places = || {
+        let more = [&args.report, &args.sheet].into_iter().flatten().map(PathBuf::as_path);
+        std::iter::once(args.out.as_path()).chain(more)
+    };
+    let inputs = [args.motion.as_path(), args.onto.as_path()];
+    // One file may be both motion and character.
+    for input in inputs {
+        names::all_differ(std::iter::once(input).chain(places()))?;
+    }
+    for path in places() {
+        output.check(path)?;
+    }
+    Ok(())
+}
+
+/// What is said of a result; the names are stable.
+#[derive(Serialize)]
+struct Record {
+    motion: String,
+    character: String,
+    output: String,
+    /// Whether it was written: not when it was refused.
+    written: bool,
+    frames: usize,
+    frame_rate: f64,
+    seconds: f64,
+    keep_feet: bool,
+    certificate: CertificateRecord,
+    warnings: Vec<String>,
+}
+
+impl Record {
+    fn of(
+        args: &RetargetArgs,
+        clip: &Clip,
+        certificate: CertificateRecord,
+        written: bool,
+        warnings: Vec<String>,
+    ) -> Self {
+        Self {
+            motion: json_path(&args.motion),
+            character: json_path(&args.onto),
+            output: json_path(&args.out),
+            written,
+            frames: clip.frames(),
+            frame_rate: clip.frame_rate(),
+            seconds: seconds(clip),
+            keep_feet: !args.no_keep_feet,
+            certificate,
+            warnings,
+        }
+    }
+
+    fn text(&self) -> String {
+        let first = format!(
+            "{} {}: {} s, {} at {} a second\n",
+            if self.written { "wrote" } else { "refused" },
+            printable::text(&self.output),
+            fixed(self.seconds, 1),
+            counted(self.frames, "frame"),
+            (self.frame_rate * 1e3).round() / 1e3
+        );
+        first + &self.certificate.text()
+    }
+}
