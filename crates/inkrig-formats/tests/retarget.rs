@@ -4,7 +4,7 @@
 mod common;
 
 use inkrig_formats::{ImportOptions, read_bvh, read_deepmimic, read_gltf};
-use inkrig_motion::retarget::{Certificate, CertificateLimits, RetargetOptions, retarget};
+use inkrig_motion::retarget::{Certificate, CertificateLimits, RetargetOptions, retarget, standing_pose};
 use inkrig_motion::rig::{Humanoid, Part, Side};
 use inkrig_motion::{Clip, kinematics};
 
@@ -47,9 +47,12 @@ fn people_walk_on_other_peoples_bodies() {
         ("DeepMimic walk on CMU", &jog, &walk),
         ("Bandai walk on the human model", &bandai, &human),
         ("CMU walk on the salsa dancer", &walk, &salsa),
+        ("CMU walk on the Bandai figure", &walk, &bandai),
+        ("DeepMimic walk on the Bandai figure", &jog, &bandai),
     ];
     for (name, source, target) in cases {
-        let moved = retarget(source, target.skeleton(), &RetargetOptions::default()).unwrap();
+        let options = RetargetOptions { stance: standing_pose(target), ..RetargetOptions::default() };
+        let moved = retarget(source, target.skeleton(), &options).unwrap();
         let certificate = Certificate::of(source, &moved).unwrap();
         println!(
             "{name}: scale {:.2}, {} joints keep their rest, {} contacts",

@@ -57,7 +57,7 @@ pub fn positions(clip: &Clip) -> Positions {
 }
 
 /// One pose in the world; keep it between frames so that nothing is allocated again.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Pose {
     /// World position of every joint, metres.
     pub positions: Vec<Vec3>,

@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use inkrig_motion::glam::{Quat, Vec3};
-use inkrig_motion::retarget::{RetargetOptions, retarget};
+use inkrig_motion::kinematics::Pose;
+use inkrig_motion::retarget::{Certificate, CertificateLimits, RetargetOptions, retarget, standing_pose};
 use inkrig_motion::rig::{Humanoid, Part, Side};
 use inkrig_motion::{Clip, Joint, Skeleton, TranslationTrack, kinematics};
 use std::sync::Arc;
@@ -143,4 +144,32 @@ fn legs_without_length_need_a_scale() {
     assert!(error.to_string().contains("give a scale"), "{error}");
     let options = RetargetOptions { scale: Some(1.0), ..RetargetOptions::default() };
     assert!(retarget(&source, &flat, &options).is_ok());
+}
+
+#[test]
+fn a_figure_whose_bones_lie_anywhere_at_rest_stands_in_its_own_clip() {
+    let (from, onto) = (body(ONE, 1.0, Vec3::X), body(OTHER, 1.0, Vec3::X));
+    let source = motion(&from);
+    // All offsets of one joint after another turned away, and turned back by the pose.
+    let lying = Quat::from_rotation_x(1.2);
+    let joints = onto.joints().iter().map(|joint| Joint { offset: lying * joint.offset, ..joint.clone() });
+    let lying_body = Arc::new(Skeleton::new(joints.collect()).unwrap());
+    let mut rotations = vec![Quat::IDENTITY; lying_body.len()];
+    rotations[0] = lying.conjugate();
+    let up = TranslationTrack { joint: 0, values: vec![Vec3::Y] };
+    let standing = Clip::new(lying_body.clone(), 30.0, rotations, vec![up]).unwrap();
+    assert!(standing_pose(&source).is_none());
+    let options = RetargetOptions { stance: standing_pose(&standing), ..RetargetOptions::default() };
+    assert!(options.stance.is_some());
+    let moved = retarget(&source, &lying_body, &options).unwrap();
+    let certificate = Certificate::of(&source, &moved).unwrap();
+    assert!((moved.scale - 1.0).abs() < 1e-3, "{}", moved.scale);
+    assert_eq!(certificate.broken(&CertificateLimits::default()), []);
+    let without = retarget(&source, &lying_body, &RetargetOptions::default()).unwrap();
+    let broken = Certificate::of(&source, &without).unwrap().broken(&CertificateLimits::default());
+    assert!(!broken.is_empty(), "the certificate sees that this went wrong");
+    let foreign = Skeleton::new(vec![Joint::new("one", None, Vec3::ZERO)]).unwrap();
+    let options = RetargetOptions { stance: Some(Pose::new(&foreign)), ..RetargetOptions::default() };
+    let error = retarget(&source, &lying_body, &options).unwrap_err();
+    assert!(error.to_string().contains("has 1 joints"), "{error}");
 }

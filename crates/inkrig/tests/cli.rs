@@ -1,10 +1,12 @@
 //! The program as a user meets it.
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and prints")]
 
 #[path = "cli/bench.rs"]
 mod bench;
 #[path = "cli/controls.rs"]
 mod controls;
+#[path = "cli/convert.rs"]
+mod convert;
 #[path = "cli/demo.rs"]
 mod demo;
 #[path = "cli/explain.rs"]
@@ -13,6 +15,8 @@ mod explain;
 mod files;
 #[path = "cli/over_ground.rs"]
 mod over_ground;
+#[path = "cli/retarget.rs"]
+mod retarget;
 #[path = "cli/stop.rs"]
 mod stop;
 #[path = "cli/words.rs"]

@@ -20,7 +20,7 @@ pub(super) struct Calibration {
     /// Height of the ground under the source and under the target at rest, metres.
     pub(super) source_ground: f32,
     pub(super) target_ground: f32,
-    /// Place of the target's hips over the middle of its hip joints at rest; and the source's in its reference pose.
+    /// Place of the target's hips over the middle of its hip joints, in the hips' axes; and the source's in its reference pose.
     pub(super) hips_over_legs: (Vec3, Vec3),
     /// Length of a leg of the source, metres.
     pub(super) leg: f32,
@@ -32,7 +32,10 @@ pub(super) fn calibrate(
     plan: &Plan,
     options: &RetargetOptions,
 ) -> Result<Calibration, RetargetError> {
-    let rest = Pose::new(target);
+    let rest = options.stance.clone().unwrap_or_else(|| Pose::new(target));
+    if rest.positions.len() != target.len() || rest.rotations.len() != target.len() {
+        return Err(RetargetError::Stance { expected: target.len(), got: rest.positions.len() });
+    }
     let onto = Humanoid::find(target).map_err(RetargetError::Target)?;
     let own_hips = hip_height(&rest, &onto);
     let scale = match options.scale {
@@ -69,7 +72,7 @@ pub(super) fn calibrate(
             Aim::Upright | Aim::Along => above(target, link.target, &turned).unwrap_or(turn),
         };
         turned[link.target] = Some(rotation);
-        rotations.push(rotation.as_quat());
+        rotations.push(rotation.as_quat() * rest.rotations[link.target]);
     }
     let legs = |pose: &Pose, body: &Humanoid| {
         0.5 * (pose.positions[body.legs[0].upper] + pose.positions[body.legs[1].upper])
@@ -84,7 +87,7 @@ pub(super) fn calibrate(
         source_ground: reference.ground,
         target_ground: sole(&rest, &onto),
         hips_over_legs: (
-            rest.positions[onto.hips] - legs(&rest, &onto),
+            rest.rotations[onto.hips].conjugate() * (rest.positions[onto.hips] - legs(&rest, &onto)),
             reference.pose.positions[reference.body.hips] - legs(&reference.pose, &reference.body),
         ),
         leg: at(source_leg.lower).distance(at(source_leg.upper)) + shin,

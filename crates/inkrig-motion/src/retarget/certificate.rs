@@ -66,11 +66,13 @@ pub struct CertificateLimits {
     pub direction_degrees: f64,
     /// Most millimetres a frame for the largest of [`Certificate::slide`]. Default: 5.
     pub slide_mm: f64,
+    /// Most millimetres for the largest of [`Certificate::penetration`]. Default: 20.
+    pub penetration_mm: f64,
 }
 
 impl Default for CertificateLimits {
     fn default() -> Self {
-        Self { direction_degrees: 5.0, slide_mm: 5.0 }
+        Self { direction_degrees: 5.0, slide_mm: 5.0, penetration_mm: 20.0 }
     }
 }
 
@@ -131,6 +133,7 @@ impl Certificate {
                 limits.direction_degrees,
             ),
             ("slide of standing feet, mm a frame, largest", self.slide.max, limits.slide_mm),
+            ("depth below the ground, mm, largest", self.penetration.max, limits.penetration_mm),
         ]
         .into_iter()
         // What cannot be compared is not kept.

@@ -59,7 +59,7 @@ pub(super) fn contacts(source: &Clip, body: &Humanoid, ground: f32, leg: f32) ->
     spans
 }
 
-/// Keeps feet where they are put down: while one stands, its ankle stays at its mean place over the ground.
+/// Keeps feet where they are put down: while one stands, what stands of it stays where it is over the ground.
 pub(super) fn keep(
     moved: &mut Moved,
     target: &Skeleton,
@@ -71,25 +71,21 @@ pub(super) fn keep(
     let places: Vec<Vec<Vec3>> = (0..moved.turns.len()).map(|frame| moved.places(frame, target)).collect();
     for (side, leg) in body.legs.iter().enumerate() {
         let Some(foot) = leg.foot else { continue };
-        let own: Vec<(usize, usize, Vec3)> = contacts
+        let own: Vec<(usize, usize, Vec<Vec3>)> = contacts
             .iter()
             .filter(|contact| contact.0 == side)
-            .map(|&(_, first, last)| {
-                let sum: Vec3 = places[first..=last].iter().map(|places| places[foot]).sum();
-                (first, last, sum / (last - first + 1) as f32)
-            })
+            .map(|&(_, first, last)| (first, last, shifts(&places[first..=last], foot, leg.toes)))
             .collect();
         for (frame, now) in places.iter().enumerate() {
             // Pulls of the contacts around, each 1 while it lasts and fading outside of it.
             let (mut pull, mut weight) = (Vec3::ZERO, 0.0_f32);
             let mut strongest = 0.0_f32;
-            for &(first, last, place) in &own {
+            for (first, last, shifts) in &own {
+                let (first, last) = (*first, *last);
                 let outside = first.saturating_sub(frame).max(frame.saturating_sub(last)) as f64;
                 let share = (1.0 - outside / ease).max(0.0) as f32;
                 let share = share * share * (3.0 - 2.0 * share);
-                // Only the height differs within a foot's roll: the ankle may rise while the ball stands.
-                let goal = Vec3::new(place.x, now[foot].y, place.z);
-                pull += share * (goal - now[foot]);
+                pull += share * shifts[frame.clamp(first, last) - first];
                 weight += share;
                 strongest = strongest.max(share);
             }
@@ -99,6 +95,21 @@ pub(super) fn keep(
             }
         }
     }
+}
+
+/// How far a foot is to be moved over the ground in each frame of a contact so that of ankle and ball the stiller one
+/// does not slide: a foot that rolls over its ball stands on it while the ankle goes on. They are 0 in the mean.
+fn shifts(places: &[Vec<Vec3>], foot: usize, toes: Option<usize>) -> Vec<Vec3> {
+    let mut shift = Vec3::ZERO;
+    let mut shifts = vec![shift];
+    for pair in places.windows(2) {
+        let step = |joint: usize| (pair[1][joint] - pair[0][joint]).with_y(0.0);
+        let (ankle, ball) = (step(foot), toes.map_or(Vec3::INFINITY, step));
+        shift -= if ball.length_squared() < ankle.length_squared() { ball } else { ankle };
+        shifts.push(shift);
+    }
+    let mean = shifts.iter().sum::<Vec3>() / shifts.len() as f32;
+    shifts.iter().map(|shift| *shift - mean).collect()
 }
 
 /// Turns a leg so that its ankle comes to a place; the foot keeps its direction in the world, the knee its plane.

@@ -11,6 +11,7 @@ mod plan;
 mod reference;
 mod transfer;
 
+use crate::kinematics::Pose;
 use crate::rig::{Humanoid, Missing};
 use crate::{Clip, MotionError, Skeleton};
 pub use certificate::{Broken, Certificate, CertificateLimits, LimbDirection, Spread};
@@ -24,11 +25,14 @@ pub struct RetargetOptions {
     pub scale: Option<f32>,
     /// Whether feet that stand in the source are kept from sliding.
     pub keep_feet: bool,
+    /// A pose in which the target stands, for skeletons whose bones point anywhere while nothing is turned; see
+    /// [`standing_pose`]. `None`: the pose in which nothing is turned.
+    pub stance: Option<Pose>,
 }
 
 impl Default for RetargetOptions {
     fn default() -> Self {
-        Self { scale: None, keep_feet: true }
+        Self { scale: None, keep_feet: true, stance: None }
     }
 }
 
@@ -57,12 +61,28 @@ pub enum RetargetError {
     /// The character that shall move is none.
     #[error("the character's skeleton: {0}; name its joints as common programs do")]
     Target(Missing),
+    /// The stance is a pose of another skeleton.
+    #[error("the stance has {got} joints, and the character {expected}: give a pose of the character")]
+    Stance {
+        /// Joints of the character.
+        expected: usize,
+        /// Joints of the stance.
+        got: usize,
+    },
     /// Legs without length have no scale.
     #[error("the legs of the {0} have no length, so the sizes of both cannot be compared: give a scale")]
     NoLegs(&'static str),
     /// From the motion core.
     #[error(transparent)]
     Motion(#[from] MotionError),
+}
+
+/// The pose of a clip in which its character stands most upright; `None` where it stands while nothing is turned, or is
+/// no two-legged body.
+pub fn standing_pose(character: &Clip) -> Option<Pose> {
+    let body = Humanoid::find(character.skeleton()).ok()?;
+    let found = reference::find(character, &body);
+    (!found.at_rest).then_some(found.pose)
 }
 
 /// Carries the motion of one two-legged character over to another. Joints of the target that have no counterpart keep

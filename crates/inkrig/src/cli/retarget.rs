@@ -16,8 +16,8 @@ Examples:
       the certificate as a file; nothing is written where a limit is not kept
 
 The certificate says how exact the result is: how well limbs point where they did (limit: 5 degrees for 95 of 100
-frames), and how far standing feet slide (limit: 5 mm a frame). Both characters are two-legged, their joints named as
-common programs do.";
+frames), how far standing feet slide (limit: 5 mm a frame), how far it sinks into the ground (limit: 20 mm). Both
+characters are two-legged, their joints named as common programs do.";
 
 /// Arguments of `inkrig retarget`.
 #[derive(Debug, Args)]

@@ -41,6 +41,7 @@ struct BrokenRecord {
 struct LimitsRecord {
     direction_p95_degrees: f64,
     slide_max_mm: f64,
+    below_ground_max_mm: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -84,6 +85,7 @@ impl CertificateRecord {
             limits: LimitsRecord {
                 direction_p95_degrees: limits.direction_degrees,
                 slide_max_mm: limits.slide_mm,
+                below_ground_max_mm: limits.penetration_mm,
             },
             scale: round(f64::from(certificate.scale), 6),
             pairs: (certificate.pairs.iter())
@@ -142,7 +144,11 @@ impl CertificateRecord {
         line(
             "below the ground",
             &format!("{} mm", fixed(self.below_ground_mm.max, 1)),
-            &format!("mean {}", fixed(self.below_ground_mm.mean, 1)),
+            &format!(
+                "mean {}; at most {} are wanted",
+                fixed(self.below_ground_mm.mean, 1),
+                self.limits.below_ground_max_mm
+            ),
         );
         let pairs = self.pairs.iter().map(|pair| {
             if pair.character == pair.motion {

@@ -12,7 +12,7 @@ use crate::span::seconds;
 use crate::{load, names, results};
 use inkrig_formats::{ExportOptions, Import, write_motion};
 use inkrig_motion::retarget::{
-    Certificate, CertificateLimits, RetargetError, RetargetOptions, Retargeted, retarget,
+    Certificate, CertificateLimits, RetargetError, RetargetOptions, Retargeted, retarget, standing_pose,
 };
 use inkrig_motion::{Clip, time};
 use serde::Serialize;
@@ -74,8 +74,11 @@ fn carry_over(
     clip: &Clip,
     character: &Import,
 ) -> Result<(Retargeted, Certificate), CliError> {
-    let options =
-        RetargetOptions { scale: args.scale.map(|scale| scale as f32), keep_feet: !args.no_keep_feet };
+    let options = RetargetOptions {
+        scale: args.scale.map(|scale| scale as f32),
+        keep_feet: !args.no_keep_feet,
+        stance: standing_pose(&character.clip),
+    };
     let about = |cause: RetargetError| {
         let path = match cause {
             RetargetError::Target(_) | RetargetError::NoLegs("character") => &args.onto,

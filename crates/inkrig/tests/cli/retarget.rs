@@ -1,0 +1,145 @@
+//! `inkrig retarget`.
+
+use crate::{desk, inkrig, text};
+use inkrig::formats::{ImportOptions, no_files, read_bvh, read_gltf};
+use inkrig::motion::kinematics;
+use std::path::{Path, PathBuf};
+
+/// The person under the names of another program, and its pairs.
+const NAMES: [(&str, &str); 12] = [
+    ("Hips", "pelvis"),
+    ("Shoulder", "Clavicle"),
+    ("LeftForeArm", "lowerarm_l"),
+    ("RightForeArm", "lowerarm_r"),
+    ("LeftArm", "upperarm_l"),
+    ("RightArm", "upperarm_r"),
+    ("LeftUpLeg", "thigh_l"),
+    ("RightUpLeg", "thigh_r"),
+    ("LeftLeg", "calf_l"),
+    ("RightLeg", "calf_r"),
+    ("LeftFoot", "foot_l"),
+    ("RightFoot", "foot_r"),
+];
+
+fn renamed(folder: &Path) {
+    let mut bvh = text(inkrig::samples::find("person").unwrap().bytes);
+    for (from, to) in NAMES {
+        bvh = bvh.replace(from, to);
+    }
+    std::fs::write(folder.join("other.bvh"), bvh).unwrap();
+}
+
+fn record(folder: &Path, arguments: &[&str]) -> serde_json::Value {
+    let done = inkrig(folder, &[&["retarget"], arguments, &["--json", "--force"]].concat());
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    serde_json::from_slice(&done.stdout).unwrap()
+}
+
+#[test]
+fn the_person_moves_alike_under_other_names() {
+    let (_keep, folder) = desk();
+    renamed(&folder);
+    let more = ["--range", "0s..4s", "--sheet", "s.png", "--report", "r.json", "--strict"];
+    let given = [&["person.bvh", "--onto", "other.bvh", "-o", "new.bvh"], &more[..]].concat();
+    let told = record(&folder, &given);
+    let certificate = &told["certificate"];
+    assert_eq!(certificate["verdict"], "pass", "{certificate}");
+    assert!((certificate["scale"].as_f64().unwrap() - 1.0).abs() < 1e-4);
+    let pairs = certificate["pairs"].as_array().unwrap();
+    assert!(pairs.iter().any(|pair| pair["character"] == "thigh_l" && pair["motion"] == "LeftUpLeg"));
+    assert_eq!(certificate["unmapped"].as_array().unwrap().len(), 0, "{certificate}");
+    assert_eq!(certificate["limbs"].as_array().unwrap().len(), 8);
+    let report: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.join("r.json")).unwrap()).unwrap();
+    assert_eq!(report, told);
+    assert!(std::fs::read(folder.join("s.png")).unwrap().starts_with(b"\x89PNG"));
+
+    // Without its feet held, the same body moves as it did.
+    record(&folder, &["person.bvh", "--onto", "other.bvh", "-o", "new.bvh", "--no-keep-feet"]);
+    let read = |name: &str| {
+        read_bvh(&std::fs::read(folder.join(name)).unwrap(), &ImportOptions::default()).unwrap().clip
+    };
+    let (old, new) = (read("person.bvh"), read("new.bvh"));
+    let (a, b) = (kinematics::positions(&old), kinematics::positions(&new));
+    let mut largest = 0.0_f32;
+    for frame in 0..old.frames() {
+        for (one, other) in a.frame(frame).iter().zip(b.frame(frame)) {
+            // The ground is put where the character's own is.
+            largest = largest.max((*one - a.frame(frame)[0]).distance(*other - b.frame(frame)[0]));
+        }
+    }
+    assert!(largest < 5e-3, "{largest} m");
+}
+
+#[test]
+fn a_wrong_scale_is_a_broken_limit() {
+    let (_keep, folder) = desk();
+    renamed(&folder);
+    let plain = [
+        "retarget",
+        "person.bvh",
+        "--onto",
+        "other.bvh",
+        "-o",
+        "new.bvh",
+        "--scale",
+        "0.5",
+        "--report",
+        "r.json",
+    ];
+    let refused = inkrig(&folder, &[&plain[..], &["--strict"]].concat());
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(text(&refused.stderr).contains("was not written"), "{}", text(&refused.stderr));
+    assert!(text(&refused.stdout).contains("certificate: warn"), "{}", text(&refused.stdout));
+    assert!(!folder.join("new.bvh").exists() && folder.join("r.json").exists());
+    let written = inkrig(&folder, &[&plain[..], &["--force"]].concat());
+    assert!(written.status.success() && text(&written.stdout).contains("warning: "));
+    assert!(folder.join("new.bvh").exists());
+}
+
+#[test]
+fn who_is_no_person_is_named() {
+    let (_keep, folder) = desk();
+    std::fs::write(folder.join("snake.bvh"), inkrig::samples::find("snake").unwrap().bytes).unwrap();
+    let said = |motion: &str, onto: &str| {
+        let done = inkrig(&folder, &["retarget", motion, "--onto", onto, "-o", "new.bvh"]);
+        assert!(!done.status.success());
+        text(&done.stderr)
+    };
+    assert!(said("person.bvh", "snake.bvh").contains("snake.bvh: the character"));
+    assert!(said("snake.bvh", "person.bvh").contains("snake.bvh: the motion"));
+    assert!(!folder.join("new.bvh").exists());
+}
+
+fn reference(path: &str) -> Option<String> {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
+    let folder = std::env::var_os("INKRIG_REFERENCE").map_or_else(|| PathBuf::from(beside), PathBuf::from);
+    let file = folder.join("data").join(path);
+    if !file.is_file() {
+        assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "no {path}");
+        println!("skipped: no reference file {path} in {}", folder.display());
+        return None;
+    }
+    Some(file.to_string_lossy().into_owned())
+}
+
+#[test]
+fn captured_walks_go_onto_real_characters() {
+    let (Some(walk), Some(human), Some(jog)) = (
+        reference("cmu/35/35_01.bvh"),
+        reference("creatures/human-model.glb"),
+        reference("deepmimic/motions/humanoid3d_walk.txt"),
+    ) else {
+        return;
+    };
+    let (_keep, folder) = desk();
+    let told = record(&folder, &[&walk, "--onto", &human, "-o", "walk.glb", "--strict"]);
+    println!("{}", told["certificate"]["direction_degrees"]);
+    let bytes = std::fs::read(folder.join("walk.glb")).unwrap();
+    let choice = Some(inkrig::formats::ClipChoice::Name("35_01".into()));
+    let import =
+        read_gltf(&bytes, &ImportOptions { clip: choice, ..ImportOptions::default() }, &no_files).unwrap();
+    assert_eq!(import.clip.frames() as u64, told["frames"].as_u64().unwrap());
+    assert!(bytes.len() as u64 > std::fs::metadata(&human).unwrap().len(), "its mesh is still there");
+    record(&folder, &[&jog, "--onto", &walk, "-o", "jog.bvh", "--strict"]);
+}
