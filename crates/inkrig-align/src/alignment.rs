@@ -9,13 +9,10 @@ use crate::quality::Quality;
 use crate::reconstruct::{Ends, blend_clip};
 use crate::report::{Report, StageRow, notes};
 use crate::suggest::{Moment, places};
-use crate::{AlignError, Layout, Options, SoundFit, pca};
+use crate::{AlignError, Layout, Options, SoundFit, pca, sampled};
 use inkrig_motion::{Clip, Features, Takes, lead_in, time};
 use inkrig_transport::{Isa, Mat, MatRef, Plan};
 use std::time::Instant;
-
-/// Frames at the matching rate that the dense solver takes: its tables then need about 1.4 GB.
-pub const MOST_FRAMES: usize = 4000;
 
 /// Frames x joints that a result may have.
 const MOST_CELLS: f64 = 1e8;
@@ -85,7 +82,7 @@ pub(crate) fn align_with(
 
     let ring = if control.cyclic { Ends::Loop } else { Ends::Open };
     let clip = blend_clip(&source, &matched, &matching.weights, (ring, &keys.exact), options)?;
-    let (best_source, confidence) = most_used(&matching.weights, options.matching_rate);
+    let (best_source, confidence) = matching.weights.most_used(options.matching_rate);
     let places = places(&given, &lead_ins, &matched);
     let place = |seconds: &f32| (f64::from(*seconds) * options.matching_rate).round() as usize;
     let used = best_source.iter().filter_map(|seconds| places.get(place(seconds)).copied()).collect();
@@ -121,6 +118,8 @@ pub(crate) fn align_with(
         control_frames: rows.frames(),
         rest_pose_frames: lead_ins.iter().sum(),
         feature_energy: reduced.energy,
+        measured_patches: sampled::sample(&rows, &columns),
+        solver: matching.solver,
         instruction_set: Isa::current().name(),
         notes: Vec::new(),
         stages: clock.stages,
@@ -207,25 +206,13 @@ pub(crate) fn check_control(source: &Takes, control: &Control, options: &Options
     if frames < needed {
         return Err(AlignError::ControlTooShort { frames, patch, needed });
     }
-    if frames > MOST_FRAMES {
-        return Err(AlignError::TooLong { what: "the control", frames, most: MOST_FRAMES, cut: "--length" });
+    let most = options.solver.most_frames();
+    if frames > most {
+        return Err(AlignError::TooLong { what: "the control", frames, most, cut: "--length" });
     }
     let cells = (frames as f64 * clip_rate / rate) * source.clip().skeleton().len() as f64;
     if cells > MOST_CELLS {
         return Err(AlignError::TooFine { rate: clip_rate, joints: source.clip().skeleton().len() });
     }
     Ok(())
-}
-
-/// For every row, the moment of the largest weight in seconds, and the share of the weight near it.
-fn most_used(weights: &Mat<f32>, rate: f64) -> (Vec<f32>, Vec<f32>) {
-    let reach = (0.25 * rate).round() as usize;
-    (0..weights.rows())
-        .map(|row| {
-            let row = weights.row(row);
-            let best = row.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index);
-            let near = &row[best.saturating_sub(reach)..(best + reach + 1).min(row.len())];
-            ((best as f64 / rate) as f32, near.iter().sum::<f32>().clamp(0.0, 1.0))
-        })
-        .unzip()
 }

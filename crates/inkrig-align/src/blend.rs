@@ -15,7 +15,7 @@ pub enum Window {
 }
 
 impl Window {
-    fn weight(self, offset: usize, patch: usize) -> f64 {
+    pub(crate) fn weight(self, offset: usize, patch: usize) -> f64 {
         match self {
             Self::Box => 1.0,
             Self::Hann => (std::f64::consts::PI * (offset + 1) as f64 / (patch + 1) as f64).sin().powi(2),

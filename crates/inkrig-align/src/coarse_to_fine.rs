@@ -4,13 +4,15 @@
 use crate::blend::{Window, frame_weights};
 use crate::explain::FirstPlans;
 use crate::keys::Keys;
+use crate::large;
 use crate::level::Level;
 use crate::patches::PatchScratch;
 use crate::polish::polish;
 pub use crate::prepared::{Frames, LevelTable, Prepared};
 use crate::progress::{self, Observer, Progress};
 use crate::pyramid::resample_frames;
-use crate::{AlignError, Options};
+use crate::solver::Levels;
+use crate::{AlignError, FrameWeights, Options, SolverRow};
 use inkrig_transport::{Mat, Plan, Start, Workspace, with_threads};
 use serde::Serialize;
 use std::time::Instant;
@@ -44,6 +46,14 @@ impl Buffers {
     }
 }
 
+impl Buffers {
+    /// Gives the memory of the last run back.
+    pub(crate) fn clear(&mut self) {
+        let first = std::mem::take(&mut self.first);
+        *self = Self { first, ..Self::new(self.transport.threads()) };
+    }
+}
+
 /// What one level did.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LevelRow {
@@ -64,8 +74,10 @@ pub struct LevelRow {
 pub struct Matching {
     /// Plan between control patches (N rows of mass 1/N) and source patches (M columns), after polish.
     pub plan: Plan<f32>,
-    /// control frames x source frames, rows sum to 1: which source frames an output frame is made of.
-    pub weights: Mat<f32>,
+    /// Which source frames an output frame is made of: control frames x source frames.
+    pub weights: FrameWeights,
+    /// What solved the finest level.
+    pub solver: SolverRow,
     /// One row a level.
     pub levels: Vec<LevelRow>,
     /// Gradients taken in all.
@@ -85,6 +97,10 @@ pub fn solve(
     buffers: &mut Buffers,
     observer: Observer<'_>,
 ) -> Result<Matching, AlignError> {
+    let levels = Levels::new((control.layout, source.layout), options)?;
+    if !levels.sparse.is_empty() {
+        return large::solve(source, control, &levels, keys, options, buffers, observer);
+    }
     with_threads(options.threads, || {
         let source = Prepared::source(source, options)?;
         let control = Prepared::control(control, options)?;
@@ -116,18 +132,42 @@ fn solve_levels(
     observer: Observer<'_>,
 ) -> Result<Matching, AlignError> {
     let total = options.gradients();
+    let count = source.levels().len().min(control.levels().len());
+    let mut tell = |level, done| progress::report(observer, Progress { level, levels: count, done, total });
+    let Full { level, levels, gradients } = full_levels(source, control, keys, options, buffers, &mut tell)?;
+    let plan = polish(&level, options, buffers, || tell(count, total))?;
+    frame_weights(plan.dense(), level.layouts(), Window::Hann, &mut buffers.weights, options.threads);
+    let weights = FrameWeights::from_mat(buffers.weights.view())?;
+    let ranks = [level.control, level.source].map(|side| side.factors.as_ref().map(|low| low.rank()));
+    let name = if ranks == [None, None] { "dense" } else { "low_rank" };
+    let solver = SolverRow { name, ranks, entries_per_row: plan.cols() };
+    Ok(Matching { plan, weights, solver, levels, gradients })
+}
+
+/// Levels whose plans have all entries: the last plan is in the workspace, its motion in the buffers.
+pub(crate) struct Full<'a> {
+    /// The last of them.
+    pub(crate) level: Level<'a>,
+    pub(crate) levels: Vec<LevelRow>,
+    pub(crate) gradients: usize,
+}
+
+/// Goes through all levels of two sides; `tell` hears the level, from 1, and the gradients done so far.
+pub(crate) fn full_levels<'a>(
+    source: &'a Prepared,
+    control: &'a Prepared,
+    keys: &Keys,
+    options: &Options,
+    buffers: &mut Buffers,
+    tell: &mut dyn FnMut(usize, usize) -> Result<(), AlignError>,
+) -> Result<Full<'a>, AlignError> {
     let (mut gradients, mut levels) = (0, Vec::with_capacity(options.levels));
     let count = source.levels().len().min(control.levels().len());
     let mut level = Level::new(source, control, 0, keys)?;
     for index in 0..count {
         let begin = Instant::now();
         let before = gradients;
-        let mut tell = |done| {
-            progress::report(
-                observer,
-                Progress { level: index + 1, levels: count, done: before + done, total },
-            )
-        };
+        let mut tell = |done| tell(index + 1, before + done);
         let b = &mut *buffers;
         let start = if index == 0 {
             gradients += level.begin(options, b, &mut tell)?;
@@ -151,11 +191,7 @@ fn solve_levels(
             seconds: begin.elapsed().as_secs_f64(),
         });
     }
-    let plan = polish(&level, options, buffers, || {
-        progress::report(observer, Progress { level: count, levels: count, done: total, total })
-    })?;
-    frame_weights(plan.dense(), level.layouts(), Window::Hann, &mut buffers.weights, options.threads);
-    Ok(Matching { plan, weights: std::mem::take(&mut buffers.weights), levels, gradients })
+    Ok(Full { level, levels, gradients })
 }
 
 #[cfg(test)]

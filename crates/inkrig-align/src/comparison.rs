@@ -5,7 +5,7 @@ use crate::blend::{Window, frame_weights};
 use crate::patches::{PatchScratch, normalised_self_distances, patch_distances};
 use crate::quality::{centred, column_means, result_frames};
 use crate::reconstruct::{Ends, blend_clip};
-use crate::{AlignError, Control, Layout, Norm, Options, Quality};
+use crate::{AlignError, Control, FrameWeights, Layout, MOST_TABLE_FRAMES, Norm, Options, Quality};
 use inkrig_motion::{Clip, FeatureLayout, Features, Takes};
 use inkrig_transport::{Mat, MatRef, TransportError};
 
@@ -65,8 +65,13 @@ impl Comparison {
     /// Distances within the control's patches and within the clip's, each divided by its mean.
     ///
     /// # Errors
-    /// When nothing moves in one of them.
+    /// When nothing moves in one of them, or they are longer than [`MOST_TABLE_FRAMES`].
     pub fn distances(&self) -> Result<[Mat<f32>; 2], AlignError> {
+        let sides = [("the clip", &self.columns, "--range"), ("the control", &self.rows, "--length")];
+        if let Some((what, layout, cut)) = sides.into_iter().find(|side| side.1.frames() > MOST_TABLE_FRAMES)
+        {
+            return Err(AlignError::TooLong { what, frames: layout.frames(), most: MOST_TABLE_FRAMES, cut });
+        }
         let (mut scratch, threads) = (PatchScratch::new(), self.options.threads);
         let (mut control, mut source) = (Mat::default(), Mat::default());
         let table = MatRef::new(self.features.as_slice(), self.features.frames(), self.features.width())?;
@@ -129,7 +134,8 @@ impl Comparison {
     pub fn clip_of_weights(&self, weights: &Mat<f32>) -> Result<Clip, AlignError> {
         checked("weights", weights.view(), [self.rows.frames(), self.columns.frames()])?;
         let ends = if self.rows.is_cyclic() { Ends::Loop } else { Ends::Open };
-        blend_clip(&self.source, &self.matched, weights, (ends, &[]), &self.options)
+        let weights = FrameWeights::from_mat(weights.view())?;
+        blend_clip(&self.source, &self.matched, &weights, (ends, &[]), &self.options)
     }
 
     /// How good a motion of that character is as one that follows the control.

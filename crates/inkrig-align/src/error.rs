@@ -35,9 +35,9 @@ pub enum AlignError {
         /// Samples that are needed.
         needed: usize,
     },
-    /// More frames than the dense solver shall hold.
+    /// More frames than the solver shall hold.
     #[error(
-        "{what} has {frames} frames at the matching rate, more than the {most} that are matched at once: cut it with {cut}"
+        "{what} has {frames} frames at the matching rate, more than the {most} that this solver matches at once: cut it with {cut}"
     )]
     TooLong {
         /// The clip or the control.
@@ -49,6 +49,11 @@ pub enum AlignError {
         /// The flag that cuts it.
         cut: &'static str,
     },
+    /// Both sides stay too long however coarse the first level is.
+    #[error(
+        "the first level would be too large, as its patches cannot be made fewer: give a shorter --patch, a shorter --length or fewer clips"
+    )]
+    NoCoarseLevel,
     /// The result would have more poses than can be held.
     #[error(
         "at {rate} frames a second and {joints} joints the result would be too large: give --source-fps if the clip's rate is wrong, or a shorter --length"

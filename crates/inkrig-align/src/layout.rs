@@ -80,6 +80,11 @@ impl Layout {
         })
     }
 
+    /// The first frame of every patch.
+    pub fn first_frames(&self) -> Vec<usize> {
+        self.runs().flat_map(|run| run.frame..run.frame + run.count).collect()
+    }
+
     /// The patches that hold a frame, each with the place of the frame in it.
     pub fn covering(&self, frame: usize) -> Vec<(usize, usize)> {
         if self.cyclic {

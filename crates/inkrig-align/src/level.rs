@@ -10,7 +10,7 @@ use crate::pyramid::close_loop;
 use crate::scouting::first_plan;
 use crate::{AlignError, Layout, Norm, Options};
 use inkrig_transport::{
-    Mat, MatRef, MmSinkhorn, Params, Problem, Start, Workspace, matmul, matmul_transposed,
+    Distances, Mat, MatRef, MmSinkhorn, Params, Problem, Start, Workspace, matmul, matmul_transposed,
 };
 use std::borrow::Cow;
 
@@ -136,8 +136,14 @@ impl<'a> Level<'a> {
         options: &Options,
     ) -> Result<Problem<'b, f32>, AlignError> {
         let params = Params { alpha, lambda: options.lambda, epsilon: options.epsilon };
-        let source = self.source.distances.view();
-        let problem = Problem::new_unchecked_values(distances.view(), source, cost, params)?;
+        let source = &self.source.distances;
+        let (control, factors) = (&self.control.factors, &self.source.factors);
+        let problem = Problem::with_distances(
+            control.as_deref().map_or(distances.view().into(), Distances::from),
+            factors.as_deref().map_or(source.view().into(), Distances::from),
+            cost,
+            params,
+        )?;
         self.asked.bind(problem, bias)
     }
 }

@@ -1,6 +1,6 @@
 //! What may be set, with defaults that were measured.
 
-use crate::{AlignError, ControlKind, Key};
+use crate::{AlignError, ControlKind, Key, Solver};
 use inkrig_motion::{FeatureOptions, VelocityFrame};
 
 /// How much the result shall follow the control, and how much it shall stay what the clip is.
@@ -73,6 +73,8 @@ pub struct Options {
     pub mirror: bool,
     /// Every seed scouts starts of its own, so another may find another of the equally good solutions.
     pub seed: u64,
+    /// How the transport problems are solved.
+    pub solver: Solver,
     /// Threads to work with, at least 1. The result does not depend on it.
     pub threads: usize,
 }
@@ -100,6 +102,7 @@ impl Default for Options {
             keys: Vec::new(),
             mirror: false,
             seed: 0,
+            solver: Solver::Auto,
             threads: std::thread::available_parallelism().map_or(1, |count| count.get().min(16)),
         }
     }

@@ -7,7 +7,7 @@ use crate::{AlignError, Options};
 use inkrig_transport::{Plan, row_softmax};
 
 /// Temperature of the polish steps, in units of the mean patch distance.
-const POLISH_TEMPERATURE: f64 = 0.02;
+pub(crate) const POLISH_TEMPERATURE: f64 = 0.02;
 
 /// Match-and-blend steps that look only at nearness: every output patch is drawn to the source patches that it is
 /// most like, which takes out what averaging has blurred. Starts from, and takes, what is in the buffers.

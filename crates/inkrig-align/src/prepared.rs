@@ -5,7 +5,8 @@
 use crate::patches::{PatchScratch, normalised_self_distances};
 use crate::pyramid::{level_lengths, resample_frames};
 use crate::{AlignError, Layout, Norm, Options};
-use inkrig_transport::{Mat, MatRef, with_threads};
+use inkrig_transport::{LowRank, Mat, MatRef, Nystrom, with_threads};
+use std::sync::Arc;
 
 /// A table of frames and where its patches stand.
 #[derive(Debug, Clone, Copy)]
@@ -27,6 +28,8 @@ pub struct LevelTable {
     pub distances: Mat<f32>,
     /// 1 over the distance that counts as one: see [`Norm`].
     pub scale: f32,
+    /// The same distances by factors, where the solver shall take those.
+    pub factors: Option<Arc<LowRank<f32>>>,
 }
 
 /// The levels of one side.
@@ -42,7 +45,8 @@ impl Prepared {
     /// # Errors
     /// [`AlignError::StillClip`] when all its patches are alike.
     pub fn source(frames: Frames<'_>, options: &Options) -> Result<Self, AlignError> {
-        Self::new(frames, options.source_norm, options)?.ok_or(AlignError::StillClip)
+        Self::at(frames, &own_levels(frames, options), options.source_norm, options)?
+            .ok_or(AlignError::StillClip)
     }
 
     /// The control's side.
@@ -50,7 +54,8 @@ impl Prepared {
     /// # Errors
     /// [`AlignError::StillControl`] when all its patches are alike.
     pub fn control(frames: Frames<'_>, options: &Options) -> Result<Self, AlignError> {
-        Self::new(frames, options.control_norm, options)?.ok_or(AlignError::StillControl)
+        Self::at(frames, &own_levels(frames, options), options.control_norm, options)?
+            .ok_or(AlignError::StillControl)
     }
 
     /// Where its patches stand in full.
@@ -63,12 +68,17 @@ impl Prepared {
         &self.levels
     }
 
-    fn new(frames: Frames<'_>, norm: Norm, options: &Options) -> Result<Option<Self>, AlignError> {
-        let threads = options.threads;
-        let levels: Option<Vec<_>> = with_threads(threads, || {
+    /// Brought to the given layouts, coarsest first; `None` when all patches are alike.
+    pub(crate) fn at(
+        frames: Frames<'_>,
+        layouts: &[Layout],
+        norm: Norm,
+        options: &Options,
+    ) -> Result<Option<Self>, AlignError> {
+        let levels: Option<Vec<_>> = with_threads(options.threads, || {
             let mut scratch = PatchScratch::new();
-            let layouts = level_layouts(frames.layout, options).into_iter();
-            let levels = layouts.map(|layout| LevelTable::new(frames, layout, norm, &mut scratch, threads));
+            let levels =
+                layouts.iter().map(|layout| LevelTable::new(frames, layout, norm, options, &mut scratch));
             levels.collect::<Result<_, AlignError>>()
         })?;
         Ok(levels.map(|levels| Self { layout: frames.layout.clone(), levels }))
@@ -79,24 +89,45 @@ impl LevelTable {
     /// `None` when all patches are alike.
     fn new(
         frames: Frames<'_>,
-        layout: Layout,
+        layout: &Layout,
         norm: Norm,
+        options: &Options,
         scratch: &mut PatchScratch<f32>,
-        threads: usize,
     ) -> Result<Option<Self>, AlignError> {
         let (mut table, mut distances) = (Mat::default(), Mat::default());
-        resample_frames(frames.table, frames.layout, &layout, &mut table);
-        let scale = normalised_self_distances(table.view(), &layout, norm, scratch, &mut distances, threads)?;
-        Ok(scale.map(|scale| Self { layout, frames: table, distances, scale }))
+        resample_frames(frames.table, frames.layout, layout, &mut table);
+        let scale =
+            normalised_self_distances(table.view(), layout, norm, scratch, &mut distances, options.threads)?;
+        let Some(scale) = scale else { return Ok(None) };
+        let factors = factors(&distances, norm, options)?;
+        Ok(Some(Self { layout: layout.clone(), frames: table, distances, scale, factors }))
     }
 }
 
+fn own_levels(frames: Frames<'_>, options: &Options) -> Vec<Layout> {
+    level_layouts(frames.layout, options.levels, options.ratio, options.patch())
+}
+
+/// Distances by factors, where there are so many that they are worth it. What is learned is learned on all of them.
+fn factors(
+    distances: &Mat<f32>,
+    norm: Norm,
+    options: &Options,
+) -> Result<Option<Arc<LowRank<f32>>>, AlignError> {
+    if norm == Norm::Learned || !options.solver.takes_factors(distances.rows()) {
+        return Ok(None);
+    }
+    let job = Nystrom { threads: options.threads, ..Nystrom::default() };
+    let row = |i: usize, out: &mut [f32]| out.copy_from_slice(distances.row(i));
+    Ok(Some(Arc::new(job.fit(distances.rows(), row)?)))
+}
+
 /// The layouts of all levels, coarsest first. The longest clip keeps at least five patches' length, or its own.
-fn level_layouts(layout: &Layout, options: &Options) -> Vec<Layout> {
-    let (full, floor) = (layout.frames(), 5 * options.patch());
+pub(crate) fn level_layouts(layout: &Layout, levels: usize, ratio: f64, patch: usize) -> Vec<Layout> {
+    let (full, floor) = (layout.frames(), 5 * patch);
     let longest = layout.parts().iter().map(std::ops::Range::len).max().unwrap_or(full).max(1);
     let floor = (floor as f64 * full as f64 / longest as f64).ceil() as usize;
-    let lengths = level_lengths(full, options.levels, options.ratio, floor);
+    let lengths = level_lengths(full, levels, ratio, floor);
     lengths.into_iter().map(|length| layout.resampled(length)).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use crate::alignment::without_lead_ins;
 use crate::keys::{Keys, Timing};
-use crate::{AlignError, Control, Layout, MOST_FRAMES, Options};
+use crate::{AlignError, Control, Layout, Options};
 use inkrig_motion::{FeatureLayout, Features, Takes};
 
 /// A clip without its lead-ins, at its own rate and at the matching rate, and the features of its frames.
@@ -54,8 +54,9 @@ pub(crate) fn check_clip(source: &Takes, options: &Options) -> Result<(), AlignE
         return Err(AlignError::ClipTooShort { frames: longest, rate, patch, needed });
     }
     let frames = source.ranges().map(|range| matched(range.len())).sum();
-    if frames > MOST_FRAMES {
-        return Err(AlignError::TooLong { what: "the clip", frames, most: MOST_FRAMES, cut: "--range" });
+    let most = options.solver.most_frames();
+    if frames > most {
+        return Err(AlignError::TooLong { what: "the clip", frames, most, cut: "--range" });
     }
     Ok(())
 }

@@ -1,12 +1,12 @@
 //! How good a motion is that shall follow a control: measured on the finished clip, not on the solver's own numbers.
 
-use crate::measures::{Dynamics, nearness, structure};
+use crate::measures::{Dynamics, Nearness, Structure, nearness, structure};
 use crate::patches::{PatchScratch, normalised_self_distances, patch_distances};
 use crate::pyramid::{close_loop, resample_frames};
 use crate::reconstruct::frames_per_sample;
-use crate::{AlignError, Layout, Norm, Options};
+use crate::{AlignError, Layout, Norm, Options, sampled};
 use inkrig_motion::{Clip, FeatureLayout, Features, Takes, cycle, time};
-use inkrig_transport::Mat;
+use inkrig_transport::{Mat, MatRef};
 use serde::Serialize;
 
 /// What a motion is worth that shall follow a control and still be the clip. No number says it alone: structure can be
@@ -49,40 +49,29 @@ impl Quality {
         (control, rows): (&Mat<f32>, &Layout),
         options: &Options,
     ) -> Result<Self, AlignError> {
-        let threads = options.threads;
-        let mut scratch = PatchScratch::new();
-        let empty = Mat::<f32>::default;
-        let (mut of_control, mut of_source, mut of_result, mut of_warp, mut cross) =
-            (empty(), empty(), empty(), empty(), empty());
-        normalised_self_distances(control.view(), rows, Norm::Mean, &mut scratch, &mut of_control, threads)?
-            .ok_or(AlignError::StillControl)?;
         // Centred, so that squares of what all frames have in common do not eat the digits of what differs.
         let means = column_means(features);
         let frames = centred(features, &means);
-        let frames = (frames.view(), columns);
-        let scale =
-            normalised_self_distances(frames.0, columns, Norm::Mean, &mut scratch, &mut of_source, threads)?
-                .ok_or(AlignError::StillClip)?;
         let own = result_frames(result, layout, rows, &means, options)?;
-        let own = (own.view(), rows);
-        patch_distances(own, own, scale, &mut scratch, &mut of_result, threads)?;
-        patch_distances(own, frames, scale, &mut scratch, &mut cross, threads)?;
         let mut stretched = Mat::zeros(0, 0);
         // The baseline knows neither cuts nor loops.
         let (all, even) =
             (Layout::open(columns.frames(), columns.patch()), Layout::open(rows.rows(), rows.patch()));
-        resample_frames(frames.0, &all, &even, &mut stretched);
-        let stretched = (stretched.view(), &even);
-        patch_distances(stretched, stretched, scale, &mut scratch, &mut of_warp, threads)?;
-        let own = structure(&of_control, &of_result, rows.patch());
-        let near = nearness(&cross, &of_source);
+        resample_frames(frames.view(), &all, &even, &mut stretched);
+        let tables = [(control.view(), rows), (own.view(), rows), (stretched.view(), &even)];
+        let [drawn, own, stretched] = tables;
+        let measure = match sampled::sample(rows, columns) {
+            Some(_) => sampled::measure,
+            None => whole,
+        };
+        let (own, warp, near) = measure(drawn, own, stretched, (frames.view(), columns), options.threads)?;
         let travel = layout.travel_joint();
         let (moves, original) = (Dynamics::of(result, travel), Dynamics::of(source.clip(), travel));
         let slow = 0.1 * original.speed_mean();
         Ok(Self {
             structure_pearson: own.pearson,
             structure_spearman: own.spearman,
-            structure_pearson_warp: structure(&of_control, &of_warp, rows.patch()).pearson,
+            structure_pearson_warp: warp.pearson,
             nearest_patch: near.nearest_patch,
             coverage: near.coverage,
             speed_mean_ratio: ratio(moves.speed_mean(), original.speed_mean()),
@@ -94,6 +83,32 @@ impl Quality {
         })
     }
 }
+
+/// As [`sampled::measure`], on all patches.
+fn whole(
+    control: Table<'_>,
+    motion: Table<'_>,
+    warped: Table<'_>,
+    clip: Table<'_>,
+    threads: usize,
+) -> Result<(Structure, Structure, Nearness), AlignError> {
+    let mut scratch = PatchScratch::new();
+    let empty = Mat::<f32>::default;
+    let (mut of_control, mut of_source, mut of_motion, mut of_warped, mut cross) =
+        (empty(), empty(), empty(), empty(), empty());
+    normalised_self_distances(control.0, control.1, Norm::Mean, &mut scratch, &mut of_control, threads)?
+        .ok_or(AlignError::StillControl)?;
+    let scale = normalised_self_distances(clip.0, clip.1, Norm::Mean, &mut scratch, &mut of_source, threads)?
+        .ok_or(AlignError::StillClip)?;
+    patch_distances(motion, motion, scale, &mut scratch, &mut of_motion, threads)?;
+    patch_distances(motion, clip, scale, &mut scratch, &mut cross, threads)?;
+    patch_distances(warped, warped, scale, &mut scratch, &mut of_warped, threads)?;
+    let follows = |table| structure(&of_control, table, control.1.patch());
+    Ok((follows(&of_motion), follows(&of_warped), nearness(&cross, &of_source)))
+}
+
+/// A table of frames and where its patches stand.
+type Table<'a> = (MatRef<'a, f32>, &'a Layout);
 
 /// The frames of a result at the matching rate, one a control sample, less the source's means.
 pub(crate) fn result_frames(

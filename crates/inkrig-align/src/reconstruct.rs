@@ -1,9 +1,8 @@
 //! From frame weights to a clip at the clip's own frame rate.
 
-use crate::{AlignError, Options};
+use crate::{AlignError, FrameWeights, Options};
 use inkrig_motion::channels::{Journey, PoseChannels};
 use inkrig_motion::{Clip, Features, Takes, time::whole_ratio};
-use inkrig_transport::Mat;
 
 /// What comes after the last row of weights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,11 +14,11 @@ pub enum Ends {
 }
 
 /// Weights below this are rounding, not motion.
-const LEAST_WEIGHT: f32 = 1e-5;
+pub(crate) const LEAST_WEIGHT: f32 = 1e-5;
 
 /// Blends the source's poses by weights that were found at a matching rate.
 ///
-/// `weights` is m x n, rows sum to 1: output frame i takes `weights[i][j]` of frame j of `matched`, which are the
+/// `weights` are m x n: output frame i takes weight (i, j) of frame j of `matched`, which are the
 /// source's takes at the matching rate. `exact` names output frames that shall be source frames, both at the source's
 /// own rate; around them, over half a patch, the blend goes over into the source's own movement. The result has the source's own frame rate and the time of m matched frames. An
 /// output frame between two matched ones blends both rows, each moved to its own moment in the source, so no detail
@@ -30,11 +29,12 @@ const LEAST_WEIGHT: f32 = 1e-5;
 pub fn blend_clip(
     source: &Takes,
     matched: &Takes,
-    weights: &Mat<f32>,
+    weights: &FrameWeights,
     (ends, exact): (Ends, &[(usize, usize)]),
     options: &Options,
 ) -> Result<Clip, AlignError> {
-    PoseBlend::new(source, matched, options).clip(weights, (ends, exact))
+    let rows: Vec<SparseRow> = (0..weights.rows()).map(|row| weights.row(row).collect()).collect();
+    PoseBlend::new(source, matched, options).clip(&rows, (ends, exact))
 }
 
 /// A source that is ready to be blended, any number of times.
@@ -62,10 +62,9 @@ impl PoseBlend {
     /// As [`blend_clip`].
     pub(crate) fn clip(
         &mut self,
-        weights: &Mat<f32>,
+        rows: &[SparseRow],
         (ends, exact): (Ends, &[(usize, usize)]),
     ) -> Result<Clip, AlignError> {
-        let rows: Vec<SparseRow> = (0..weights.rows()).map(|row| kept(weights.row(row))).collect();
         let frames = (rows.len() as f64 * self.step).round().max(1.0) as usize;
         let width = self.layout.width();
         let mut out = vec![0.0_f32; frames * width];
@@ -221,6 +220,7 @@ impl Shares {
 mod tests {
     use super::*;
     use crate::testing::swinging;
+    use inkrig_transport::Mat;
 
     /// Every matched frame takes just itself.
     fn through(clip: &Clip) -> Clip {
@@ -228,6 +228,7 @@ mod tests {
         let matched = source.decimate(30.0).unwrap();
         let frames = matched.clip().frames();
         let identity = Mat::from_fn(frames, frames, |row, column| f32::from(u8::from(row == column)));
+        let identity = FrameWeights::from_mat(identity.view()).unwrap();
         blend_clip(&source, &matched, &identity, (Ends::Open, &[]), &Options::default()).unwrap()
     }
 

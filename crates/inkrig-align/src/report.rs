@@ -1,7 +1,7 @@
 //! What came out, in flat numbers with stable names.
 
 use crate::coarse_to_fine::LevelRow;
-use crate::{Options, Quality, SoundFit};
+use crate::{Options, Quality, SolverRow, SoundFit};
 use serde::Serialize;
 
 /// Numbers of one alignment. The names are stable: tools may read them from the report file.
@@ -51,6 +51,11 @@ pub struct Report {
     pub rest_pose_frames: usize,
     /// Share of the features' variance that matching saw, 0..=1.
     pub feature_energy: f64,
+    /// For long motions: on how many patches, spread evenly, structure was measured. Absent when on all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured_patches: Option<usize>,
+    /// What solved the finest level.
+    pub solver: SolverRow,
     /// The processor's instruction set that was used; results are the same bytes only on machines with the same one.
     pub instruction_set: &'static str,
     /// What a reader should know: too little material, jumps, freezing, frames left out.

@@ -170,7 +170,7 @@ fn what_cannot_be_aligned_is_said_with_what_to_do() {
     };
     assert!(message(&clip, &flat, &usual).contains("the control does not change"));
     let long = Control {
-        features: Features::new((0..20_000).map(|i| i as f32).collect(), 2).unwrap(),
+        features: Features::new((0..200_002).map(|i| i as f32).collect(), 2).unwrap(),
         rate: 30.0,
         cyclic: false,
         domain: None,

@@ -18,6 +18,12 @@ pub struct LowRank<T> {
     pub(crate) excess: Padded<T>,
 }
 
+impl<T: Real> Clone for LowRank<T> {
+    fn clone(&self) -> Self {
+        Self { left: self.left.clone(), right: self.right.clone(), excess: self.excess.clone() }
+    }
+}
+
 impl<T: Real> LowRank<T> {
     /// Takes n self-norms and n x r factors.
     ///
@@ -125,8 +131,8 @@ impl<T: Real> LowRank<T> {
         Ok(())
     }
 
-    /// `sum_ij D_ij^2 a_i a_j`: D_ij^2 = B_i^T (A_j A_j^T) B_i, so O(n r^2).
-    pub(crate) fn square_form(&self, mass: &[f64]) -> f64 {
+    /// `sum_ij D_ij^2 a_i a_j` for n masses a: D_ij^2 = B_i^T (A_j A_j^T) B_i, so O(n r^2).
+    pub fn square_form(&self, mass: &[f64]) -> f64 {
         let k = self.left.cols();
         let mut moments = vec![0.0f64; k * k];
         for (j, &mass) in mass.iter().enumerate() {

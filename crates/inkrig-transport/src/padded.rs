@@ -14,6 +14,18 @@ pub(crate) struct Padded<T> {
     data: Vec<T>,
 }
 
+impl<T: Real> Clone for Padded<T> {
+    /// Rows of the copy start on 64 bytes too.
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        if self.cols > 0 {
+            copy.shape(self.rows, self.cols);
+            copy.all_mut().copy_from_slice(self.all());
+        }
+        copy
+    }
+}
+
 impl<T: Real> Padded<T> {
     /// Changes the shape and sets every value, padding included, to `value`.
     pub(crate) fn reset(&mut self, rows: usize, cols: usize, value: T) {

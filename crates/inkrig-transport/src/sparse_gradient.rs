@@ -46,7 +46,7 @@ pub(crate) fn products<T: Real>(
 }
 
 /// `T Ax` into `workspace.left`, `Dx T^T Ay` into `workspace.right`.
-fn thin_products<T: Real>(problem: &SparseProblem<'_, T>, workspace: &mut SparseWorkspace<T>) {
+pub(crate) fn thin_products<T: Real>(problem: &SparseProblem<'_, T>, workspace: &mut SparseWorkspace<T>) {
     let (n, m, block) = (problem.rows(), problem.cols(), block_rows(problem.rows()));
     let (control, source) = (problem.control, problem.source);
     let (ky, kx) = (control.left.cols(), source.left.cols());

@@ -1,4 +1,7 @@
-use crate::{Mask, Plan, Real, TransportError};
+use crate::check::check_length;
+use crate::kernels::{Block, WeightedRows, dispatch};
+use crate::parallel::{Chunk, for_blocks, with_threads};
+use crate::{Isa, Mask, Mat, MatRef, Plan, Real, TransportError};
 
 /// Which entries of a plan may be other than zero: for each row its columns, in order. Takes 4 bytes an entry.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -131,6 +134,50 @@ impl Support {
     /// Where row `i` stands in a list of all entries, row after row; empty when there is no such row.
     pub fn range(&self, i: usize) -> std::ops::Range<usize> {
         if i < self.rows() { self.starts[i]..self.starts[i + 1] } else { 0..0 }
+    }
+
+    /// `out = W table`, where `weights` has a value of W for each entry, row after row, and the table as many rows as W has
+    /// columns.
+    ///
+    /// # Errors
+    /// [`TransportError::Shape`] when the weights or the table do not fit.
+    ///
+    /// ```
+    /// use inkrig_transport::{Mat, Support};
+    /// let support = Support::from_rows(2, 3, |i, out| out.extend([0, i + 1]))?;
+    /// let table = Mat::from_vec(3, 1, vec![1.0f32, 10.0, 100.0])?;
+    /// let mut out = Mat::default();
+    /// support.product(&[0.5, 0.5, 0.0, 1.0], table.view(), 1, &mut out)?;
+    /// assert_eq!(out.as_slice(), [5.5, 100.0]);
+    /// # Ok::<(), inkrig_transport::TransportError>(())
+    /// ```
+    pub fn product<T: Real>(
+        &self,
+        weights: &[T],
+        table: MatRef<'_, T>,
+        threads: usize,
+        out: &mut Mat<T>,
+    ) -> Result<(), TransportError> {
+        check_length("weights", weights.len(), self.len(), "one value per entry of the support")?;
+        let hint = "one row per column of the support";
+        check_length("table", table.rows(), self.cols, hint)?;
+        let (rows, width) = (self.rows(), table.cols());
+        out.reshape(rows, width);
+        if width == 0 {
+            return Ok(());
+        }
+        let isa = Isa::current();
+        let work = Chunk::new(out.as_mut_slice(), width);
+        with_threads(threads, || {
+            for_blocks(threads, rows, 32, work, &|first, count, out: Chunk<'_, T>| {
+                let at = self.starts[first]..self.starts[first + count];
+                let starts = &self.starts[first..=first + count];
+                let block = Block { starts, columns: &self.columns[at.clone()] };
+                let (weights, table) = (&weights[at], table.as_slice());
+                dispatch(isa, WeightedRows { block, weights, table, width, out: out.data });
+            });
+        });
+        Ok(())
     }
 
     pub(crate) fn starts(&self) -> &[usize] {

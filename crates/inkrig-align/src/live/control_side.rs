@@ -87,7 +87,7 @@ impl ControlSide {
         let mut patches = 0;
         let last = (full.frames() - 1).max(1) as f64;
         for (level, raw) in self.prepared.levels.iter_mut().zip(&mut self.distances) {
-            let LevelTable { layout, frames, distances, scale } = level;
+            let LevelTable { layout, frames, distances, scale, .. } = level;
             resample_frames(table.view(), full, layout, frames);
             if !changed.is_empty() {
                 // A frame between two others changes with either.

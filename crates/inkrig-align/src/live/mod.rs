@@ -16,8 +16,8 @@ use crate::level::Level;
 use crate::polish::polish;
 use crate::prepared_clip::PreparedClip;
 use crate::pyramid::resample_frames;
-use crate::reconstruct::{Ends, PoseBlend};
-use crate::{AlignError, Control, Options, Progress, pca};
+use crate::reconstruct::{Ends, PoseBlend, SparseRow, kept};
+use crate::{AlignError, Control, Options, Progress, Solver, pca};
 use control_side::ControlSide;
 use finer::at_full_length;
 use inkrig_motion::{Clip, Takes};
@@ -92,6 +92,8 @@ impl LiveAlignment {
     /// As [`align`](crate::align), for what concerns the clip and the options.
     pub fn new(source: &Takes, options: &Options) -> Result<Self, AlignError> {
         options.validate()?;
+        // Only what changed of the tables is made anew, so they have to be there.
+        let options = &Options { solver: Solver::Dense, ..options.clone() };
         let clip = PreparedClip::new(source, options)?;
         let reduced = pca::reduce(table(&clip.features)?, pca::FEATURE_ENERGY, options.threads)?.frames;
         let poses = PoseBlend::new(&clip.source, &clip.matched, options);
@@ -180,7 +182,7 @@ impl Schedule {
             let ends = if control.cyclic { Ends::Loop } else { Ends::Open };
             self.solve(&keys, b, observer, &mut |weights, (level, levels), warm| {
                 Ok(LiveAnswer {
-                    clip: poses.clip(&weights, (ends, &keys.exact))?,
+                    clip: poses.clip(&rows_of(&weights), (ends, &keys.exact))?,
                     weights,
                     level,
                     levels,
@@ -237,6 +239,11 @@ impl Schedule {
         }
         Ok(())
     }
+}
+
+/// What is more than rounding in weights.
+fn rows_of(weights: &Mat<f32>) -> Vec<SparseRow> {
+    (0..weights.rows()).map(|row| kept(weights.row(row))).collect()
 }
 
 fn go_on(observer: LiveObserver<'_>, event: LiveEvent) -> Result<(), AlignError> {

@@ -5,7 +5,7 @@ use crate::alignment::table;
 use crate::coarse_to_fine::{Frames, Prepared};
 use crate::prepared_clip::PreparedClip;
 use crate::reconstruct::{PoseBlend, SparseRow};
-use crate::{AlignError, Options, pca};
+use crate::{AlignError, Options, Solver, pca};
 use inkrig_motion::channels::Journey;
 use inkrig_motion::{Clip, Takes};
 use inkrig_transport::with_threads;
@@ -81,6 +81,9 @@ impl StreamAlignment {
     /// # Errors
     /// As [`align`](crate::align), for what concerns the clip and the options.
     pub fn new(source: &Takes, options: &StreamOptions) -> Result<Self, AlignError> {
+        // Windows go on from tables of all distances.
+        let align = Options { solver: Solver::Dense, ..options.align.clone() };
+        let options = &StreamOptions { align, ..options.clone() };
         let align = &options.align;
         align.validate()?;
         let check = |name, value: usize, low: usize, range| {

@@ -98,7 +98,7 @@ impl Window {
     /// Forgets nothing of what was not given out, but takes no more than a window of it.
     fn rest(&mut self, width: usize, options: &StreamOptions) -> Result<Vec<SparseRow>, AlignError> {
         let count = self.samples.len() / width;
-        if count > crate::MOST_FRAMES {
+        if count > crate::MOST_TABLE_FRAMES {
             return Err(AlignError::StillControl);
         }
         debug_assert!(count >= options.warm_up);
@@ -120,7 +120,7 @@ impl Window {
         let matching = solve_prepared(source, &control, &Keys::default(), align, &mut self.buffers, go_on)?;
         self.size = control.levels().last().map_or(0.0, |level| 1.0 / f64::from(level.scale));
         self.plan = matching.plan.into_mat();
-        self.foreseen = (0..frames).map(|frame| matching.weights.row(frame).to_vec()).collect();
+        self.foreseen = (0..frames).map(|frame| matching.weights.full_row(frame)).collect();
         Ok(())
     }
 
@@ -249,7 +249,7 @@ fn distances(
     // Without a scale of its own the window rests: its distances are as they are.
     let factor = found.map_or(scale, |found| scale / found);
     distances.as_mut_slice().iter_mut().for_each(|distance| *distance *= factor);
-    Ok(LevelTable { layout, frames: table.to_mat(), distances, scale })
+    Ok(LevelTable { layout, frames: table.to_mat(), distances, scale, factors: None })
 }
 
 fn keep_rows(plan: &mut Mat<f32>, from: &Mat<f32>, count: usize) {

@@ -9,12 +9,14 @@ mod sparse;
 mod tiles;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod vector;
+mod windows;
 
 pub(crate) use factors::{ColumnDots, LessColumns, LessRows};
 pub(crate) use rows::{Gibbs, Mirror, PlanRows, Softmax, SquareProduct, Sweep};
 pub(crate) use scaling::Scaling;
 pub(crate) use sparse::{Block, EntryDots, Gather, SparseGibbs, SparsePlanRows, SparseSweep};
 pub(crate) use tiles::Product;
+pub(crate) use windows::{PairDistances, WeightedRows};
 
 use crate::Isa;
 

@@ -270,7 +270,7 @@ pub(super) fn dot<T: Real, const FMA: bool>(a: &[T], b: &[T]) -> T {
 
 /// Sums over two padded rows in four lane groups, which hide the latency of the addition.
 #[inline(always)]
-fn lanes_sum<T: Real>(a: &[T], b: &[T], step: impl Fn(T, T, T) -> T) -> T {
+pub(super) fn lanes_sum<T: Real>(a: &[T], b: &[T], step: impl Fn(T, T, T) -> T) -> T {
     let mut sums = [[T::ZERO; LANES]; 4];
     let (quads_a, quads_b) = (a.chunks_exact(4 * LANES), b.chunks_exact(4 * LANES));
     let rest = quads_a.remainder().chunks_exact(LANES).zip(quads_b.remainder().chunks_exact(LANES));

@@ -15,7 +15,7 @@ pub(crate) struct Block<'a> {
 impl<'a> Block<'a> {
     /// For each row its range of entries.
     #[inline(always)]
-    fn rows(self) -> impl Iterator<Item = std::ops::Range<usize>> + 'a {
+    pub(super) fn rows(self) -> impl Iterator<Item = std::ops::Range<usize>> + 'a {
         let first = self.starts[0];
         self.starts.windows(2).map(move |pair| pair[0] - first..pair[1] - first)
     }

@@ -258,3 +258,42 @@ fn what_does_not_fit_is_refused() {
     assert!(good.with_linear(&[f32::NAN; 11]).unwrap_err().to_string().contains("NaN at row 0, column 0"));
     assert!(good.with_linear(&[0.0; 12]).is_err());
 }
+
+#[test]
+fn the_gradient_is_that_of_the_definition_also_off_the_support() {
+    let (n, m) = (90, 70);
+    let sides = Sides::<f64>::new((n, m), 12);
+    let support =
+        Support::from_rows(n, m, |i, out| out.extend([i % m, (i * 5 + 3) % m, (i / 2) % m])).unwrap();
+    let (cost, _) = sides.at(&support);
+    let params = Params::default();
+    let mask = Mask { rows: vec![(4, 60)], columns: vec![7] };
+    let problem = SparseProblem::new(&sides.control, &sides.source, &support, Some(&cost), params)
+        .and_then(|problem| problem.with_mask(&mask))
+        .unwrap();
+    let mut workspace = SparseWorkspace::new(1);
+    SOLVER.solve_sparse(&problem, &mut workspace).unwrap();
+    let plan = workspace.plan().clone().into_mat();
+    let mass: Vec<f64> = (0..m).map(|j| (0..n).map(|i| plan.row(i)[j]).sum()).collect();
+    let mut got = Mat::<f64>::zeros(n, m);
+    let gradient = workspace.gradient(&problem).unwrap();
+    gradient.write(0, &mut got.as_mut_slice()[..50 * m]);
+    gradient.write(50, &mut got.as_mut_slice()[50 * m..]);
+    let moved =
+        Mat::from_fn(n, m, |i, l| (0..n).map(|k| sides.control.distance(i, k) * plan.row(k)[l]).sum::<f64>());
+    let even = 1.0 / (m - 1) as f64;
+    for i in 0..n {
+        for j in 0..m {
+            if j == 7 {
+                assert!(got.row(i)[j] > 1e20);
+                continue;
+            }
+            let squares: f64 = (0..m).map(|l| sides.source.distance(j, l).powi(2) * mass[l]).sum();
+            let cross: f64 = (0..m).map(|l| moved.row(i)[l] * sides.source.distance(l, j)).sum();
+            let pull = params.lambda * (mass[j] / even).max(0.1).ln();
+            let want = 2.0 * params.alpha * (squares - 2.0 * cross) + pull;
+            assert!((got.row(i)[j] - want).abs() < 1e-9, "{i} {j}: {} {want}", got.row(i)[j]);
+        }
+    }
+    assert!(SparseWorkspace::<f64>::new(1).gradient(&problem).is_err());
+}

@@ -126,6 +126,9 @@ pub struct AlignArgs {
     /// Compare rotations relative to the parent joint, or to the root
     #[arg(long, value_enum, help_heading = "Fine tuning")]
     pub rotations: Option<RotationArg>,
+    /// How the matching is solved; by size unless said [default: auto]
+    #[arg(long, value_enum, help_heading = "Fine tuning")]
+    pub solver: Option<SolverArg>,
     /// Threads to work with; the result does not depend on it [default: all cores, at most 16]
     #[arg(long, value_parser = numbers::threads, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub threads: Option<usize>,
@@ -213,6 +216,20 @@ fn norms(text: &str) -> Result<Norms, String> {
         return Err("only the control's distances can be learned: they are fitted to the clip's".to_string());
     }
     Ok(norms)
+}
+
+/// Ways to solve the matching.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SolverArg {
+    /// By size: one of the others.
+    Auto,
+    /// Exact, for up to 4,000 frames; a thousand take a second or two.
+    Dense,
+    /// Nearly the same and faster, for up to 4,000 frames.
+    #[value(name = "lowrank")]
+    LowRank,
+    /// For up to 100,000 frames.
+    Sparse,
 }
 
 /// Presets of align.

@@ -7,7 +7,7 @@ mod retarget;
 mod root;
 mod suggest;
 
-pub use align::{AlignArgs, ControlArgs, Norms, PresetArg, RotationArg, VelocityArg};
+pub use align::{AlignArgs, ControlArgs, Norms, PresetArg, RotationArg, SolverArg, VelocityArg};
 pub use bench::{BenchAlignArgs, BenchArgs, BenchCommand};
 pub use convert::{ConvertArgs, ToArg};
 pub use retarget::RetargetArgs;

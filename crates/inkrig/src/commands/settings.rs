@@ -1,7 +1,7 @@
 //! The engine's options, as the command line says them.
 
-use crate::cli::{AlignArgs, PresetArg, RotationArg, VelocityArg};
-use inkrig_align::{ControlKind, Options, Preset};
+use crate::cli::{AlignArgs, PresetArg, RotationArg, SolverArg, VelocityArg};
+use inkrig_align::{ControlKind, Options, Preset, Solver};
 use inkrig_motion::{RotationSpace, VelocityFrame};
 
 /// The number of threads that was asked for.
@@ -39,6 +39,12 @@ pub(super) fn options(args: &AlignArgs) -> Options {
     set(&mut options.threads, args.threads);
     options.seed = args.seed;
     options.mirror = args.mirror;
+    options.solver = match args.solver {
+        None | Some(SolverArg::Auto) => Solver::Auto,
+        Some(SolverArg::Dense) => Solver::Dense,
+        Some(SolverArg::LowRank) => Solver::LowRank,
+        Some(SolverArg::Sparse) => Solver::Sparse,
+    };
     if let Some(velocity) = args.velocity {
         let frame = match velocity {
             VelocityArg::World => VelocityFrame::World,

@@ -1,0 +1,173 @@
+//! Structure and nearness of long motions, on patches spread evenly instead of on all.
+
+use crate::measures::{Nearness, Structure, structure};
+use crate::patches::{PatchScratch, patch_distances};
+use crate::{AlignError, Layout};
+use inkrig_transport::{Mat, MatRef, Support, Windows};
+
+/// Patches above which one side is sampled: tables of all distances would be too large.
+const MOST_MEASURED: usize = 2000;
+/// Patches between which structure is measured.
+const STRUCTURE: usize = 1000;
+/// Patches whose nearest one on the other side, out of all there, is looked for.
+const NEAREST: usize = 500;
+/// Of them, those that are looked at together.
+const TOGETHER: usize = 16;
+
+/// A table of frames and where its patches stand.
+type Table<'a> = (MatRef<'a, f32>, &'a Layout);
+
+/// Whether a motion of such a layout is measured on a sample, and on how many of its patches structure then is.
+pub(crate) fn sample(rows: &Layout, columns: &Layout) -> Option<usize> {
+    let (control, source) = (rows.patches(), columns.patches());
+    (control.max(source) > MOST_MEASURED).then(|| control.min(STRUCTURE))
+}
+
+/// Structure of a motion and of the time-warped clip, and nearness of the motion to the clip: the arguments are frames of
+/// the control, the motion, the warped clip (all three with as many patches) and the clip.
+pub(crate) fn measure(
+    control: Table<'_>,
+    motion: Table<'_>,
+    warped: Table<'_>,
+    clip: Table<'_>,
+    threads: usize,
+) -> Result<(Structure, Structure, Nearness), AlignError> {
+    let count = control.1.patches();
+    let some = spread(count, STRUCTURE);
+    let of_control = among(control, &some, threads)?;
+    if mean(&of_control) <= noise(control) {
+        return Err(AlignError::StillControl);
+    }
+    // Only pairs that share no frame count: those are fewer numbers apart in the sample.
+    let apart = (control.1.patch() * some.len()).div_ceil(count);
+    let follows = |table| Ok::<_, AlignError>(structure(&of_control, &among(table, &some, threads)?, apart));
+    let own = spread(clip.1.patches(), STRUCTURE);
+    let unit = mean(&among(clip, &own, threads)?);
+    if unit <= noise(clip) {
+        return Err(AlignError::StillClip);
+    }
+    let near = nearness(motion, clip, unit, threads)?;
+    Ok((follows(motion)?, follows(warped)?, near))
+}
+
+/// At most `most` of `count` patches.
+fn spread(count: usize, most: usize) -> Vec<usize> {
+    let some = count.min(most).max(1);
+    (0..some).map(|k| (2 * k + 1) * count / (2 * some)).collect()
+}
+
+/// Distances among some patches.
+fn among((table, layout): Table<'_>, some: &[usize], threads: usize) -> Result<Mat<f32>, AlignError> {
+    let first = layout.first_frames();
+    let starts: Vec<usize> = some.iter().map(|&patch| first[patch]).collect();
+    let windows = Windows::new(table, &starts, layout.patch())?;
+    let mut out = Vec::new();
+    windows.distances_at(&windows, &Support::full(some.len(), some.len())?, 1.0, threads, &mut out)?;
+    Ok(Mat::from_vec(some.len(), some.len(), out)?)
+}
+
+fn mean(distances: &Mat<f32>) -> f64 {
+    distances.as_slice().iter().map(|&d| f64::from(d)).sum::<f64>() / distances.as_slice().len().max(1) as f64
+}
+
+/// What rounding may leave between equal patches.
+fn noise((table, _): Table<'_>) -> f64 {
+    let square = |row: usize| table.row(row).iter().map(|x| x * x).sum::<f32>();
+    1e-6 * (1.0 + f64::from((0..table.rows()).map(square).fold(0.0, f32::max).sqrt()))
+}
+
+/// As [`nearness`](crate::measures::nearness), where `unit` is the mean distance within the clip.
+fn nearness(motion: Table<'_>, clip: Table<'_>, unit: f64, threads: usize) -> Result<Nearness, AlignError> {
+    let nearest = nearest(motion, clip, threads)?;
+    let first = clip.1.first_frames();
+    let windows = Windows::new(clip.0, &first, clip.1.patch())?;
+    let steps = first.len().saturating_sub(1);
+    let follow = Support::from_rows(steps.max(1), first.len(), |i, out| out.push((i + 1).min(steps)))?;
+    let before = Windows::new(clip.0, &first[..steps.max(1)], clip.1.patch())?;
+    let mut adjacent = Vec::new();
+    before.distances_at(&windows, &follow, 1.0, threads, &mut adjacent)?;
+    let adjacent = adjacent.iter().map(|&d| f64::from(d)).sum::<f64>() / (steps.max(1) as f64 * unit);
+    let reach = (2.0 * adjacent).max(0.1);
+    let used = self::nearest(clip, motion, threads)?;
+    let covered = used.iter().filter(|&&distance| f64::from(distance) / unit < reach).count();
+    Ok(Nearness {
+        nearest_patch: nearest.iter().map(|&d| f64::from(d)).sum::<f64>() / (nearest.len() as f64 * unit),
+        coverage: covered as f64 / used.len() as f64,
+    })
+}
+
+/// For some patches of `a` the distance to the nearest of all patches of `b`.
+fn nearest((a, rows): Table<'_>, b: Table<'_>, threads: usize) -> Result<Vec<f32>, AlignError> {
+    let (first, patch, width) = (rows.first_frames(), rows.patch(), a.cols());
+    let mut nearest = Vec::with_capacity(NEAREST);
+    let (mut scratch, mut out) = (PatchScratch::new(), Mat::default());
+    for some in spread(first.len(), NEAREST).chunks(TOGETHER) {
+        // Each patch a clip of its own: products of frames do for their distances.
+        let frames =
+            some.iter().flat_map(|&patch| first[patch] * width..(first[patch] + rows.patch()) * width);
+        let frames: Vec<f32> = frames.map(|at| a.as_slice()[at]).collect();
+        let table = Mat::from_vec(some.len() * patch, width, frames)?;
+        let own = Layout::clips(&vec![patch; some.len()], patch);
+        patch_distances((table.view(), &own), b, 1.0, &mut scratch, &mut out, threads)?;
+        nearest.extend((0..some.len()).map(|row| out.row(row).iter().copied().fold(f32::INFINITY, f32::min)));
+    }
+    Ok(nearest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measures;
+
+    fn table(frames: usize, speed: f32) -> Mat<f32> {
+        Mat::from_fn(frames, 4, |row, column| {
+            let t = row as f32 * speed + column as f32;
+            t.sin() * (1.0 + (0.13 * t).cos()) + 0.3 * (2.7 * t + 1.0).sin()
+        })
+    }
+
+    #[test]
+    fn a_sample_says_what_all_patches_say() {
+        let (patch, frames) = (11, 2600);
+        let (control, motion, warped, clip) =
+            (table(frames, 0.05), table(frames, 0.06), table(frames, 0.02), table(1700, 0.11));
+        let (rows, columns) = (Layout::open(frames, patch), Layout::clips(&[900, 800], patch));
+        assert_eq!(sample(&rows, &columns), Some(STRUCTURE));
+        assert_eq!(sample(&columns, &columns), None);
+        let side = |table: &Mat<f32>, layout| {
+            among((table.view(), layout), &(0..layout.patches()).collect::<Vec<_>>(), 2).unwrap()
+        };
+        let all = side(&control, &rows);
+        let (want, warp) =
+            (structure(&all, &side(&motion, &rows), patch), structure(&all, &side(&warped, &rows), patch));
+        let mut of_clip = side(&clip, &columns);
+        let unit = mean(&of_clip);
+        let mut cross = Mat::default();
+        let tables = ((motion.view(), &rows), (clip.view(), &columns));
+        patch_distances(tables.0, tables.1, 1.0, &mut PatchScratch::new(), &mut cross, 2).unwrap();
+        [&mut of_clip, &mut cross].into_iter().for_each(|mat| {
+            mat.as_mut_slice().iter_mut().for_each(|d| *d /= unit as f32);
+        });
+        let near = measures::nearness(&cross, &of_clip);
+        let (own, other, got) =
+            measure((control.view(), &rows), tables.0, (warped.view(), &rows), tables.1, 2).unwrap();
+        println!("{want:?} {own:?}, {warp:?} {other:?}, {near:?} {got:?}");
+        assert!((own.pearson - want.pearson).abs() < 0.01 && (own.spearman - want.spearman).abs() < 0.01);
+        assert!((other.pearson - warp.pearson).abs() < 0.01);
+        assert!((got.nearest_patch / near.nearest_patch - 1.0).abs() < 0.03);
+        assert!((got.coverage - near.coverage).abs() < 0.03);
+    }
+
+    #[test]
+    fn what_stands_still_is_said() {
+        let (moving, still) = (table(2500, 0.1), Mat::from_fn(2500, 4, |_, column| 3.0 + column as f32));
+        let layout = Layout::open(2500, 11);
+        let run = |control: &Mat<f32>, clip: &Mat<f32>| {
+            let table = |mat| (MatRef::new(Mat::as_slice(mat), 2500, 4).unwrap(), &layout);
+            measure(table(control), table(&moving), table(&moving), table(clip), 1).map(|_| ())
+        };
+        assert!(matches!(run(&still, &moving), Err(AlignError::StillControl)));
+        assert!(matches!(run(&moving, &still), Err(AlignError::StillClip)));
+        assert!(run(&moving, &moving).is_ok());
+    }
+}
