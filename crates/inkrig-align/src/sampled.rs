@@ -3,7 +3,7 @@
 use crate::measures::{Nearness, Structure, structure};
 use crate::patches::{PatchScratch, patch_distances};
 use crate::{AlignError, Layout};
-use inkrig_transport::{Mat, MatRef, Support, Windows};
+use inkrig_transport::{Mat, MatRef, Support, Windows, matmul_transposed};
 
 /// Patches above which one side is sampled: tables of all distances would be too large.
 const MOST_MEASURED: usize = 2000;
@@ -57,13 +57,27 @@ fn spread(count: usize, most: usize) -> Vec<usize> {
 }
 
 /// Distances among some patches.
-fn among((table, layout): Table<'_>, some: &[usize], threads: usize) -> Result<Mat<f32>, AlignError> {
-    let first = layout.first_frames();
-    let starts: Vec<usize> = some.iter().map(|&patch| first[patch]).collect();
-    let windows = Windows::new(table, &starts, layout.patch())?;
-    let mut out = Vec::new();
-    windows.distances_at(&windows, &Support::full(some.len(), some.len())?, 1.0, threads, &mut out)?;
-    Ok(Mat::from_vec(some.len(), some.len(), out)?)
+fn among(table: Table<'_>, some: &[usize], threads: usize) -> Result<Mat<f32>, AlignError> {
+    let patches = gathered(table, some)?;
+    let norms: Vec<f32> =
+        (0..some.len()).map(|row| patches.row(row).iter().map(|x| x * x).sum::<f32>()).collect();
+    let mut out = Mat::default();
+    matmul_transposed(patches.view(), patches.view(), &mut out, threads)?;
+    for (row, own) in norms.iter().enumerate() {
+        for (product, other) in out.row_mut(row).iter_mut().zip(&norms) {
+            *product = (own + other - 2.0 * *product).max(0.0).sqrt();
+        }
+        out.row_mut(row)[row] = 0.0;
+    }
+    Ok(out)
+}
+
+/// Some patches, a long row each.
+fn gathered((table, layout): Table<'_>, some: &[usize]) -> Result<Mat<f32>, AlignError> {
+    let (first, width) = (layout.first_frames(), table.cols());
+    let long = layout.patch() * width;
+    let values = some.iter().flat_map(|&patch| &table.as_slice()[first[patch] * width..][..long]);
+    Ok(Mat::from_vec(some.len(), long, values.copied().collect())?)
 }
 
 fn mean(distances: &Mat<f32>) -> f64 {
@@ -98,15 +112,13 @@ fn nearness(motion: Table<'_>, clip: Table<'_>, unit: f64, threads: usize) -> Re
 
 /// For some patches of `a` the distance to the nearest of all patches of `b`.
 fn nearest((a, rows): Table<'_>, b: Table<'_>, threads: usize) -> Result<Vec<f32>, AlignError> {
-    let (first, patch, width) = (rows.first_frames(), rows.patch(), a.cols());
+    let (patch, count) = (rows.patch(), rows.patches());
     let mut nearest = Vec::with_capacity(NEAREST);
     let (mut scratch, mut out) = (PatchScratch::new(), Mat::default());
-    for some in spread(first.len(), NEAREST).chunks(TOGETHER) {
+    for some in spread(count, NEAREST).chunks(TOGETHER) {
         // Each patch a clip of its own: products of frames do for their distances.
-        let frames =
-            some.iter().flat_map(|&patch| first[patch] * width..(first[patch] + rows.patch()) * width);
-        let frames: Vec<f32> = frames.map(|at| a.as_slice()[at]).collect();
-        let table = Mat::from_vec(some.len() * patch, width, frames)?;
+        let frames = gathered((a, rows), some)?.into_vec();
+        let table = Mat::from_vec(some.len() * patch, a.cols(), frames)?;
         let own = Layout::clips(&vec![patch; some.len()], patch);
         patch_distances((table.view(), &own), b, 1.0, &mut scratch, &mut out, threads)?;
         nearest.extend((0..some.len()).map(|row| out.row(row).iter().copied().fold(f32::INFINITY, f32::min)));
