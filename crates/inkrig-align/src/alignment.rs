@@ -6,7 +6,7 @@ use crate::prepared_clip::{PreparedClip, check_clip};
 use crate::progress::Observer;
 use crate::pyramid::{close_loop, resample_frames};
 use crate::quality::Quality;
-use crate::reconstruct::{Ends, blend_clip};
+use crate::reconstruct::{Ends, Rules, blend_clip};
 use crate::report::{Report, StageRow, notes};
 use crate::suggest::{Moment, places};
 use crate::{AlignError, Layout, Options, SoundFit, pca, sampled};
@@ -67,11 +67,11 @@ pub(crate) fn align_with(
     let prepared = PreparedClip::new(source, options)?;
     check_control(&prepared.source, control, options)?;
     let (drawn, rows) = at_rate(control, options);
-    let keys = prepared.keys(control, &rows, options)?;
-    let PreparedClip { given, lead_ins, source, matched, columns, layout, features } = prepared;
     clock.stage("features");
 
-    let reduced = pca::reduce(table(&features)?, pca::FEATURE_ENERGY, options.threads)?;
+    let reduced = pca::reduce(table(&prepared.features)?, pca::FEATURE_ENERGY, options.threads)?;
+    let keys = prepared.keys(&reduced.subspace, control, &rows, options)?;
+    let PreparedClip { given, lead_ins, source, matched, columns, layout, features } = prepared;
     clock.stage("principal subspace");
     let frames = Frames { table: reduced.frames.view(), layout: &columns };
     let drawing = Frames { table: drawn.view(), layout: &rows };
@@ -81,7 +81,9 @@ pub(crate) fn align_with(
     let solve_seconds = clock.since("features");
 
     let ring = if control.cyclic { Ends::Loop } else { Ends::Open };
-    let clip = blend_clip(&source, &matched, &matching.weights, (ring, &keys.exact), options)?;
+    let anchors = keys.anchors();
+    let rules = Rules { ends: ring, anchors: &anchors, forbidden: &matching.forbidden };
+    let clip = blend_clip(&source, &matched, &matching.weights, rules, options)?;
     let (best_source, confidence) = matching.weights.most_used(options.matching_rate);
     let places = places(&given, &lead_ins, &matched);
     let place = |seconds: &f32| (f64::from(*seconds) * options.matching_rate).round() as usize;
@@ -96,6 +98,7 @@ pub(crate) fn align_with(
         Ok(SoundFit { structure_pearson_unsmoothed: unsmoothed.structure_pearson, ..moving })
     });
     let sound = heard.transpose()?;
+    let keys = keys.met((&source, &clip), &layout, (&features, &columns), (&drawn, &rows), options)?;
     clock.stage("measuring");
     let mut report = Report {
         structure_pearson: quality.structure_pearson,
@@ -122,6 +125,7 @@ pub(crate) fn align_with(
         solver: matching.solver,
         instruction_set: Isa::current().name(),
         notes: Vec::new(),
+        keys,
         stages: clock.stages,
         levels: matching.levels,
     };

@@ -78,6 +78,8 @@ pub struct Matching {
     pub weights: FrameWeights,
     /// What solved the finest level.
     pub solver: SolverRow,
+    /// Source frames that may not appear, in ascending order.
+    pub forbidden: Vec<usize>,
     /// One row a level.
     pub levels: Vec<LevelRow>,
     /// Gradients taken in all.
@@ -141,7 +143,8 @@ fn solve_levels(
     let ranks = [level.control, level.source].map(|side| side.factors.as_ref().map(|low| low.rank()));
     let name = if ranks == [None, None] { "dense" } else { "low_rank" };
     let solver = SolverRow { name, ranks, entries_per_row: plan.cols() };
-    Ok(Matching { plan, weights, solver, levels, gradients })
+    let forbidden = level.asked.forbidden_frames(level.layouts().1);
+    Ok(Matching { plan, weights, forbidden, solver, levels, gradients })
 }
 
 /// Levels whose plans have all entries: the last plan is in the workspace, its motion in the buffers.
@@ -163,6 +166,10 @@ pub(crate) fn full_levels<'a>(
 ) -> Result<Full<'a>, AlignError> {
     let (mut gradients, mut levels) = (0, Vec::with_capacity(options.levels));
     let count = source.levels().len().min(control.levels().len());
+    if keys.forbid() && count > 0 {
+        // What cannot be met in full is said before any work.
+        Level::new(source, control, count - 1, keys)?;
+    }
     let mut level = Level::new(source, control, 0, keys)?;
     for index in 0..count {
         let begin = Instant::now();

@@ -4,7 +4,7 @@ use crate::alignment::{at_rate, check_lengths, without_lead_ins};
 use crate::blend::{Window, frame_weights};
 use crate::patches::{PatchScratch, normalised_self_distances, patch_distances};
 use crate::quality::{centred, column_means, result_frames};
-use crate::reconstruct::{Ends, blend_clip};
+use crate::reconstruct::{Ends, Rules, blend_clip};
 use crate::{AlignError, Control, FrameWeights, Layout, MOST_TABLE_FRAMES, Norm, Options, Quality};
 use inkrig_motion::{Clip, FeatureLayout, Features, Takes};
 use inkrig_transport::{Mat, MatRef, TransportError};
@@ -135,7 +135,7 @@ impl Comparison {
         checked("weights", weights.view(), [self.rows.frames(), self.columns.frames()])?;
         let ends = if self.rows.is_cyclic() { Ends::Loop } else { Ends::Open };
         let weights = FrameWeights::from_mat(weights.view())?;
-        blend_clip(&self.source, &self.matched, &weights, (ends, &[]), &self.options)
+        blend_clip(&self.source, &self.matched, &weights, Rules::free(ends), &self.options)
     }
 
     /// How good a motion of that character is as one that follows the control.

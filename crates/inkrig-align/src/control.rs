@@ -15,13 +15,27 @@ pub struct Control {
     pub rate: f64,
     /// Whether the last sample is followed by the first: the result is then a seamless loop.
     pub cyclic: bool,
-    /// How a value of the control's own domain (a canvas point) becomes a row: its centre is taken off, then it is
-    /// multiplied. `None`: rows are the domain itself.
-    pub domain: Option<(Vec<f64>, f64)>,
+    /// How a place of the control's own domain (a canvas point, a label) becomes a row. `None`: rows are the domain
+    /// itself.
+    pub domain: Option<Domain>,
     /// What it is of, which decides the presets: see [`Options::for_control`](crate::Options::for_control).
     pub kind: ControlKind,
     /// What is heard, when it is a sound: for measuring how the motion goes with it.
     pub heard: Option<Heard>,
+}
+
+/// What the rows of a control stand for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Domain {
+    /// Points or values, from which `centre` was taken off before they were multiplied by `scale`.
+    Scaled {
+        /// As many numbers as a row has.
+        centre: Vec<f64>,
+        /// Above 0.
+        scale: f64,
+    },
+    /// The name that every column stands for; a row has a 1 in the column of its label.
+    Labels(Vec<String>),
 }
 
 /// Kinds of control.
@@ -93,12 +107,33 @@ impl Control {
             let what = format!("a place of this control is {width} numbers, not {}", value.len());
             return Err(AlignError::Key { what });
         }
-        Ok(match &self.domain {
+        Ok(match self.scaling() {
             Some((centre, scale)) => {
                 value.iter().zip(centre).map(|(v, c)| ((v - c) * scale) as f32).collect()
             }
             None => value.iter().map(|&v| v as f32).collect(),
         })
+    }
+
+    /// The centre and the factor of its points or values, when its rows are such.
+    pub(crate) fn scaling(&self) -> Option<(&[f64], f64)> {
+        match &self.domain {
+            Some(Domain::Scaled { centre, scale }) => Some((centre, *scale)),
+            Some(Domain::Labels(_)) | None => None,
+        }
+    }
+
+    /// The row of a label.
+    pub(crate) fn row_of_label(&self, label: &str) -> Result<Vec<f32>, AlignError> {
+        let Some(Domain::Labels(names)) = &self.domain else {
+            let what = format!("this control has no labels, and so no `{label}`: give a time or a place");
+            return Err(AlignError::Key { what });
+        };
+        let Some(column) = names.iter().position(|name| name == label) else {
+            let what = format!("there is no label `{label}`; there are {}", names.join(", "));
+            return Err(AlignError::Key { what });
+        };
+        Ok((0..names.len()).map(|index| f32::from(u8::from(index == column))).collect())
     }
 
     pub(crate) fn validate(&self) -> Result<(), AlignError> {
@@ -197,7 +232,8 @@ impl Control {
         let samples = checked(samples.unwrap_or_else(|| labels.frame_count(rate)))?;
         let rows = labels.to_one_hot(rate, Some(samples))?;
         let features = Features::new(rows.values, rows.names.len())?;
-        Ok(Self { features, rate, cyclic: false, domain: None, kind: ControlKind::Labels, heard: None })
+        let domain = Some(Domain::Labels(rows.names));
+        Ok(Self { features, rate, cyclic: false, domain, kind: ControlKind::Labels, heard: None })
     }
 
     /// The control of a sound: 40 mel-frequency cepstral coefficients, 43 times a second (MAMM Sec. 4.4), smoothed.
@@ -237,7 +273,14 @@ impl Control {
         let size = offsets.clone().map(f64::abs).fold(0.0, f64::max);
         let scale = if size > 0.0 { 1.0 / size } else { 1.0 };
         let features = Features::new(offsets.map(|offset| (offset * scale) as f32).collect(), width)?;
-        Ok(Self { features, rate, cyclic: false, domain: Some((centre, scale)), kind, heard: None })
+        Ok(Self {
+            features,
+            rate,
+            cyclic: false,
+            domain: Some(Domain::Scaled { centre, scale }),
+            kind,
+            heard: None,
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::blend::{Window, frame_weights};
 use crate::coarse_to_fine::Buffers;
 use crate::explain::{Reflection, mirrored, others};
-use crate::keys::{Keys, LevelKeys};
+use crate::keys::{Keys, LevelKeys, LevelTables};
 use crate::patches::patch_distances;
 use crate::prepared::{LevelTable, Prepared};
 use crate::pyramid::close_loop;
@@ -32,13 +32,12 @@ impl<'a> Level<'a> {
     ) -> Result<Self, AlignError> {
         let full = (control.layout(), source.layout());
         let (source, control) = (&source.levels()[index], &control.levels()[index]);
-        let asked = keys.at_level(
+        let asked = keys.at_level(&LevelTables {
             full,
-            (&control.layout, &source.layout),
-            source.distances.view(),
-            (control.frames.view(), control.scale),
-            control.distances.view(),
-        )?;
+            level: (&control.layout, &source.layout),
+            control: (control.frames.view(), control.scale),
+            source: (source.frames.view(), source.scale),
+        })?;
         Ok(Self { source, control, asked })
     }
 
@@ -79,6 +78,7 @@ impl<'a> Level<'a> {
         b: &mut Buffers,
         mut tell: impl FnMut(usize) -> Result<(), AlignError>,
     ) -> Result<usize, AlignError> {
+        self.asked.hold(&self.control.layout, &mut b.blended);
         let bias = self.bias(options.alpha);
         let mut distances = Cow::Borrowed(&self.control.distances);
         for round in 0..options.rounds {
@@ -109,6 +109,7 @@ impl<'a> Level<'a> {
         frame_weights(plan, self.layouts(), Window::Box, weights, threads);
         matmul(weights.view(), self.source.frames.view(), blended, threads)?;
         close_loop(&self.control.layout, blended);
+        self.asked.hold(&self.control.layout, blended);
         Ok(())
     }
 
@@ -124,7 +125,8 @@ impl<'a> Level<'a> {
     }
 
     pub(crate) fn bias(&self, alpha: f64) -> Option<Mat<f32>> {
-        self.asked.cost(self.source.distances.view(), self.control.layout.patches(), alpha)
+        let (rows, columns) = self.layouts();
+        self.asked.cost(rows.patches(), columns.patches(), alpha)
     }
 
     pub(crate) fn problem<'b>(

@@ -7,6 +7,7 @@
 //! ever needed.
 
 mod alignment;
+mod anchor;
 pub mod blend;
 pub mod coarse_to_fine;
 mod comparison;
@@ -42,10 +43,10 @@ mod weights;
 pub use alignment::{Alignment, align};
 pub use coarse_to_fine::Frames;
 pub use comparison::Comparison;
-pub use control::{Control, ControlKind, CurveOptions, SoundOptions};
+pub use control::{Control, ControlKind, CurveOptions, Domain, SoundOptions};
 pub use error::AlignError;
 pub use explain::{Alternative, Explanation, alternatives};
-pub use keys::{Key, Keys, Place};
+pub use keys::{Key, KeyRow, Keys, Place, Pose};
 pub use layout::{Layout, Run};
 pub use live::{
     LiveAlignment, LiveAnswer, LiveEvent, LiveObserver, StreamAlignment, StreamOptions, StreamPiece,

@@ -15,6 +15,41 @@ pub struct Reduced {
     pub frames: Mat<f32>,
     /// Share of the variance that was kept, 0..=1.
     pub energy: f64,
+    /// What brings other frames of the same features beside them.
+    pub subspace: Subspace,
+}
+
+/// The mean that was taken off and the directions that were kept.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Subspace {
+    mean: Vec<f64>,
+    /// rank x d, orthonormal rows; `None`: all directions were kept as they are.
+    basis: Option<Mat<f32>>,
+}
+
+impl Subspace {
+    /// Coordinates of other rows (n x d) as n x rank, and the distance of each row to the subspace.
+    ///
+    /// # Errors
+    /// When the rows have another width.
+    pub fn project(
+        &self,
+        table: MatRef<'_, f32>,
+        threads: usize,
+    ) -> Result<(Mat<f32>, Vec<f32>), TransportError> {
+        let centred = off_mean(table, &self.mean);
+        let Some(basis) = &self.basis else {
+            let off = vec![0.0; centred.rows()];
+            return Ok((centred, off));
+        };
+        let mut coordinates = Mat::zeros(0, 0);
+        matmul_transposed(centred.view(), basis.view(), &mut coordinates, threads)?;
+        let square = |row: &[f32]| row.iter().map(|&value| f64::from(value).powi(2)).sum::<f64>();
+        let off = (0..centred.rows())
+            .map(|row| (square(centred.row(row)) - square(coordinates.row(row))).max(0.0).sqrt() as f32);
+        let off = off.collect();
+        Ok((coordinates, off))
+    }
 }
 
 /// Projects the rows of a table (n x d) to the smallest of the tried subspaces that keeps `energy` of their
@@ -25,22 +60,24 @@ pub struct Reduced {
 pub fn reduce(table: MatRef<'_, f32>, energy: f64, threads: usize) -> Result<Reduced, TransportError> {
     /// Clips of people need 64 to 90 directions for 99.6 to 99.95 % of the variance.
     const RANKS: [usize; 3] = [64, 96, 160];
-    let centred = centre(table);
+    let mean = mean(table);
+    let centred = off_mean(table, &mean);
     let total: f64 = centred.as_slice().iter().map(|&value| f64::from(value) * f64::from(value)).sum();
     for rank in RANKS {
         if rank >= centred.cols().min(centred.rows()) {
             break;
         }
-        let frames = project(&centred, rank, threads)?;
+        let (frames, basis) = project(&centred, rank, threads)?;
         let kept: f64 = frames.as_slice().iter().map(|&value| f64::from(value) * f64::from(value)).sum();
         if kept >= energy * total {
-            return Ok(Reduced { frames, energy: kept / total });
+            let subspace = Subspace { mean, basis: Some(basis) };
+            return Ok(Reduced { frames, energy: kept / total, subspace });
         }
     }
-    Ok(Reduced { frames: centred, energy: 1.0 })
+    Ok(Reduced { frames: centred, energy: 1.0, subspace: Subspace { mean, basis: None } })
 }
 
-fn centre(table: MatRef<'_, f32>) -> Mat<f32> {
+fn mean(table: MatRef<'_, f32>) -> Vec<f64> {
     let mut means = vec![0.0_f64; table.cols()];
     for row in 0..table.rows() {
         for (mean, &value) in means.iter_mut().zip(table.row(row)) {
@@ -48,13 +85,17 @@ fn centre(table: MatRef<'_, f32>) -> Mat<f32> {
         }
     }
     let count = table.rows().max(1) as f64;
+    means.iter().map(|sum| sum / count).collect()
+}
+
+fn off_mean(table: MatRef<'_, f32>, mean: &[f64]) -> Mat<f32> {
     Mat::from_fn(table.rows(), table.cols(), |row, column| {
-        (f64::from(table.row(row)[column]) - means[column] / count) as f32
+        (f64::from(table.row(row)[column]) - mean[column]) as f32
     })
 }
 
-/// Coordinates of the rows of `table` in a subspace of `rank` directions.
-fn project(table: &Mat<f32>, rank: usize, threads: usize) -> Result<Mat<f32>, TransportError> {
+/// Coordinates of the rows of `table` in a subspace of `rank` directions, and those directions.
+fn project(table: &Mat<f32>, rank: usize, threads: usize) -> Result<(Mat<f32>, Mat<f32>), TransportError> {
     const ROUNDS: usize = 3;
     let transposed = transpose(table);
     let mut basis = Mat::from_fn(rank, table.cols(), |direction, column| {
@@ -68,7 +109,7 @@ fn project(table: &Mat<f32>, rank: usize, threads: usize) -> Result<Mat<f32>, Tr
     }
     orthonormalise(&mut basis);
     matmul_transposed(table.view(), basis.view(), &mut coordinates, threads)?;
-    Ok(coordinates)
+    Ok((coordinates, basis))
 }
 
 fn transpose(table: &Mat<f32>) -> Mat<f32> {
@@ -135,6 +176,22 @@ mod tests {
             let (full, less) = (distance(&table, a, b), distance(&reduced.frames, a, b));
             assert!((full - less).abs() < 2e-2 * full, "{full} became {less}");
         }
+    }
+
+    #[test]
+    fn other_rows_are_brought_beside_with_what_is_left_out() {
+        let (other, table) = (table(0.5), table(0.01));
+        let reduced = reduce(table.view(), 0.999, 1).unwrap();
+        let (same, off) = reduced.subspace.project(table.view(), 1).unwrap();
+        let close = same.as_slice().iter().zip(reduced.frames.as_slice());
+        assert!(close.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 1e-4);
+        assert!(off.iter().all(|&off| off < 0.1));
+        // Frame 3 to a frame that lies off the subspace: both parts of the distance together.
+        let (coordinates, off) = reduced.subspace.project(other.view(), 1).unwrap();
+        let distance = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f32>();
+        let whole = distance(table.row(3), other.row(80)).sqrt();
+        let parts = (distance(reduced.frames.row(3), coordinates.row(80)) + off[80].powi(2)).sqrt();
+        assert!(off[80] > 1.0 && (whole - parts).abs() < 0.02 * whole, "{whole} became {parts}");
     }
 
     #[test]

@@ -22,6 +22,7 @@ pub(crate) fn polish(
         go_on()?;
         let (motion, clip) = level.tables(&b.blended);
         patch_distances(motion, clip, level.source.scale, &mut b.scratch, &mut b.cost, options.threads)?;
+        level.asked.steer(motion, clip, level.source.scale, &mut b.cost);
         let mut nearest = plan.into_mat();
         row_softmax(b.cost.view(), POLISH_TEMPERATURE, &mut nearest)?;
         let mass = 1.0 / nearest.rows() as f32;

@@ -1,7 +1,8 @@
 //! What is known of a clip before there is any control.
 
 use crate::alignment::without_lead_ins;
-use crate::keys::{Keys, Timing};
+use crate::keys::{Context, Keys, Timing};
+use crate::pca::Subspace;
 use crate::{AlignError, Control, Layout, Options};
 use inkrig_motion::{FeatureLayout, Features, Takes};
 
@@ -31,16 +32,17 @@ impl PreparedClip {
         Ok(Self { given: given.clone(), lead_ins, source, matched, columns, layout, features })
     }
 
-    /// The keys of the options, in frames of what is matched.
+    /// The keys of the options, in frames of what is matched and in its subspace.
     pub(crate) fn keys(
         &self,
+        subspace: &Subspace,
         control: &Control,
         rows: &Layout,
         options: &Options,
     ) -> Result<Keys, AlignError> {
-        let Self { given, lead_ins, source, matched, .. } = self;
+        let Self { given, lead_ins, source, matched, layout, .. } = self;
         let timing = Timing { given, lead_ins, source, matched };
-        Keys::new(&options.keys, control, &timing, rows, options.matching_rate)
+        Keys::new(&Context { timing, layout, subspace, control, rows, options })
     }
 }
 

@@ -1,7 +1,7 @@
 //! What came out, in flat numbers with stable names.
 
 use crate::coarse_to_fine::LevelRow;
-use crate::{Options, Quality, SolverRow, SoundFit};
+use crate::{KeyRow, Options, Quality, SolverRow, SoundFit};
 use serde::Serialize;
 
 /// Numbers of one alignment. The names are stable: tools may read them from the report file.
@@ -60,6 +60,8 @@ pub struct Report {
     pub instruction_set: &'static str,
     /// What a reader should know: too little material, jumps, freezing, frames left out.
     pub notes: Vec<String>,
+    /// How well every key was met, in the order in which they were given.
+    pub keys: Vec<KeyRow>,
     /// Wall time of every stage, in order.
     pub stages: Vec<StageRow>,
     /// One row a level.
@@ -148,6 +150,21 @@ pub(crate) fn notes(report: &Report, options: &Options) -> Vec<String> {
             "The result follows the control little better than the clip stretched to its length: the two have little in common."
                 .to_string(),
         );
+    }
+    for key in &report.keys {
+        match (key.kind, key.distance, key.asked, key.jump) {
+            ("never", Some(near), Some(radius), _) if near < 0.9 * radius => notes.push(format!(
+                "At {:.2} s the result, on its way between two other poses, is {near:.2} from {}, which must not appear \
+                 within {radius:.2}: give a larger radius.",
+                key.seconds, key.pose
+            )),
+            ("hard" | "fixed", _, _, Some(jump)) if jump > 2.0 => notes.push(format!(
+                "At {:.2} s ({}) the body moves {jump:.1} times as fast as anywhere in the clip: move keys further apart, \
+                 or give poses that are more alike.",
+                key.seconds, key.pose
+            )),
+            _ => {}
+        }
     }
     if report.nearest_patch > 0.4 {
         notes.push(

@@ -41,13 +41,15 @@ pub(crate) fn measure(
     // Only pairs that share no frame count: those are fewer numbers apart in the sample.
     let apart = (control.1.patch() * some.len()).div_ceil(count);
     let follows = |table| Ok::<_, AlignError>(structure(&of_control, &among(table, &some, threads)?, apart));
-    let own = spread(clip.1.patches(), STRUCTURE);
-    let unit = mean(&among(clip, &own, threads)?);
-    if unit <= noise(clip) {
-        return Err(AlignError::StillClip);
-    }
+    let unit = unit(clip, threads)?;
     let near = nearness(motion, clip, unit, threads)?;
     Ok((follows(motion)?, follows(warped)?, near))
+}
+
+/// The mean distance of a clip's patches, of all or of some that are spread evenly.
+pub(crate) fn unit(clip: Table<'_>, threads: usize) -> Result<f64, AlignError> {
+    let unit = mean(&among(clip, &spread(clip.1.patches(), STRUCTURE), threads)?);
+    if unit > noise(clip) { Ok(unit) } else { Err(AlignError::StillClip) }
 }
 
 /// At most `most` of `count` patches.

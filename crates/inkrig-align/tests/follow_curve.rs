@@ -2,8 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and prints its figures")]
 
 use inkrig_align::{
-    AlignError, Alignment, Control, ControlKind, CurveOptions, Key, Norm, Options, Place, Preset, Report,
-    align,
+    AlignError, Alignment, Control, ControlKind, CurveOptions, Norm, Options, Preset, Report, align,
 };
 use inkrig_formats::{ImportOptions, read_bvh};
 use inkrig_motion::glam::{Quat, Vec3};
@@ -338,91 +337,6 @@ fn waves_and_labels_are_followed() {
         assert!(report.structure_pearson >= report.structure_pearson_warp + 0.4, "{report:?}");
         assert!(report.structure_pearson >= 0.55 && report.jump_q999_ratio <= 2.0, "{report:?}");
     }
-}
-
-fn with_keys(clip: &Clip, curve: &Curve, keys: Vec<Key>) -> Result<Alignment, AlignError> {
-    let control = Control::from_curve(curve, &CurveOptions::default()).unwrap();
-    align(&clip.clone().into(), &control, &Options { keys, ..Options::default() }, &mut |_| {
-        ControlFlow::Continue(())
-    })
-}
-
-/// The largest turn between the poses of two clips, radians, the travelling joint aside.
-fn apart((a, at): (&Clip, usize), (b, bt): (&Clip, usize)) -> f32 {
-    let pairs = a.rotations(at).iter().zip(b.rotations(bt)).skip(1);
-    pairs.map(|(a, b)| a.angle_between(*b)).fold(0.0, f32::max)
-}
-
-#[test]
-fn a_hard_key_is_met_exactly_and_without_a_pop() {
-    let clip = sample("person");
-    let curve = shapes::growing_circles(5, 300).unwrap();
-    let keys = vec![Key::Hard { seconds: 3.0, frame: 455 }, Key::Hard { seconds: 7.5, frame: 120 }];
-    let result = with_keys(&clip, &curve, keys).unwrap();
-    for (at, frame) in [(90, 455), (225, 120)] {
-        let error = apart((&result.clip, at), (&clip, frame));
-        // An angle between unit quaternions in f32 cannot be told from 0 below a thousandth.
-        assert!(error < 1e-3, "{error} radians away at {at}");
-        let height = |clip: &Clip, frame: usize| clip.track(0).unwrap()[frame].y;
-        assert!((height(&result.clip, at) - height(&clip, frame)).abs() < 1e-5);
-    }
-    assert!(
-        result.report.jump_q999_ratio < 2.0 && result.report.structure_pearson > 0.4,
-        "{:?}",
-        result.report
-    );
-}
-
-#[test]
-fn what_must_not_appear_does_not() {
-    let clip = sample("person");
-    let curve = shapes::growing_circles(5, 300).unwrap();
-    let plain = with_keys(&clip, &curve, vec![]).unwrap();
-    // The moment that is used most.
-    let moment = (plain.best_source[150] * 30.0).round() as usize;
-    let without = with_keys(&clip, &curve, vec![Key::Never { frame: moment, radius: 0.5 }]).unwrap();
-    let mass = without.plan.column_mass();
-    let covering = moment.saturating_sub(10)..=moment.min(mass.len() - 1);
-    assert!(mass[covering.clone()].iter().all(|&mass| mass == 0.0), "patches around {moment} are left out");
-    assert!(plain.plan.column_mass()[covering].iter().any(|&mass| mass > 0.0));
-    assert!(without.report.structure_pearson > without.report.structure_pearson_warp + 0.2);
-}
-
-#[test]
-fn soft_keys_draw_a_place_of_the_drawing_to_a_moment() {
-    let clip = sample("person");
-    let curve = shapes::growing_circles(5, 300).unwrap();
-    let (frame, weight, point) = (600, 1.0, [1.0, 0.0]);
-    // Far from the place on the canvas shall mean far from the pose: the correlation of the two distances.
-    let correlation = |result: &Alignment| {
-        let canvas = curve.points().iter().map(|[x, y]| (x - point[0]).hypot(y - point[1]) as f32);
-        let canvas: Vec<f32> = canvas.collect();
-        let poses = (0..300).map(|at| {
-            let pairs = result.clip.rotations(at).iter().zip(clip.rotations(frame)).skip(1);
-            pairs.map(|(a, b)| a.angle_between(*b)).sum::<f32>()
-        });
-        inkrig_align::measures::pearson(&canvas, &poses.collect::<Vec<f32>>())
-    };
-    let key = |place| with_keys(&clip, &curve, vec![Key::Soft { place, frame, weight }]).unwrap();
-    let without = correlation(&with_keys(&clip, &curve, vec![]).unwrap());
-    let by_point = correlation(&key(Place::Value(point.to_vec())));
-    let by_time = correlation(&key(Place::Time(9.95)));
-    println!("correlation with the key: {without:.2} without, {by_point:.2} by point, {by_time:.2} by time");
-    assert!(by_point > without + 0.2 && by_time > without + 0.2);
-}
-
-#[test]
-fn keys_that_cannot_be_met_are_named() {
-    let clip = sample("snake");
-    let curve = shapes::wave(4, 150).unwrap();
-    let says = |keys| with_keys(&clip, &curve, keys).unwrap_err().to_string();
-    assert!(says(vec![Key::Hard { seconds: 99.0, frame: 1 }]).contains("outside of the control's 5.00 s"));
-    assert!(says(vec![Key::Hard { seconds: 1.0, frame: 9999 }]).contains("there is no frame 9999"));
-    let both = vec![Key::Hard { seconds: 1.0, frame: 100 }, Key::Never { frame: 100, radius: 0.1 }];
-    assert!(says(both).contains("forbidden"));
-    assert!(says(vec![Key::Never { frame: 100, radius: 10.0 }]).contains("the whole clip"));
-    let place = Place::Value(vec![1.0]);
-    assert!(says(vec![Key::Soft { place, frame: 1, weight: 1.0 }]).contains("2 numbers, not 1"));
 }
 
 #[test]

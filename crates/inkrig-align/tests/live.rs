@@ -314,7 +314,7 @@ fn what_a_stream_cannot_take_is_said() {
     };
     assert!(with(&|options| options.look_ahead = 0).contains("look-ahead is 0"));
     assert!(with(&|options| options.window = 30).contains("window is 30"));
-    let key = Key::Never { frame: 3, radius: 0.1 };
+    let key = Key::Never { pose: 3.into(), radius: 0.1 };
     assert!(with(&|options| options.align.keys.push(key.clone())).contains("without an end"));
     let mut stream = StreamAlignment::new(&takes, &StreamOptions::default()).unwrap();
     assert!(stream.append(&[1.0, f32::NAN], 2).unwrap_err().to_string().contains("not a number"));

@@ -70,6 +70,11 @@ impl EulerSolver {
         matches!(self.used, Used::Three(..))
     }
 
+    /// Takes a frame whose angles are given, degrees, one a rotation channel: the next runs on from it.
+    pub(crate) fn resume(&mut self, degrees: impl Iterator<Item = f64>) {
+        self.angles.iter_mut().zip(degrees).for_each(|(angle, degrees)| *angle = degrees.to_radians());
+    }
+
     /// Takes the next frame: its angles in degrees, one an axis, are then in [`Self::degrees`]. Returns by how much
     /// they miss the rotation, radians: nothing with three axes, something when there are too few.
     pub(crate) fn next(&mut self, rotation: DQuat) -> f64 {

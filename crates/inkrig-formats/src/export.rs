@@ -25,6 +25,18 @@ pub struct ExportOptions {
     pub replace: bool,
     /// Which joints are which bones of a person, for VRMA. Default: none.
     pub humanoid: Vec<HumanBone>,
+    /// Rows of an earlier BVH file that are written as they stand there, in order of their frames; other formats do not
+    /// look at them. The angles around them are chosen to run on into them.
+    pub kept: Vec<KeptRow>,
+}
+
+/// A row of a BVH file: see [`bvh_rows`](crate::bvh_rows).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KeptRow {
+    /// Its frame, here and there.
+    pub frame: usize,
+    /// Its text without the line end.
+    pub text: Vec<u8>,
 }
 
 /// A motion that was written.
@@ -62,6 +74,7 @@ impl Default for ExportOptions {
             original: None,
             replace: false,
             humanoid: Vec::new(),
+            kept: Vec::new(),
         }
     }
 }

@@ -39,10 +39,10 @@ mod unit;
 mod usda;
 
 pub use asf_amc::read_amc;
-pub use bvh::{read_bvh, write_bvh};
+pub use bvh::{bvh_rows, read_bvh, write_bvh};
 pub use deepmimic::read_deepmimic;
 pub use error::FormatError;
-pub use export::{ExportOptions, Written};
+pub use export::{ExportOptions, KeptRow, Written};
 pub use finding::{Finding, Place, Severity};
 pub use folder::{FileSource, no_files, read_in_folder};
 pub use format::{Format, read_motion, write_motion};

@@ -235,3 +235,42 @@ proptest! {
         prop_assert!(difference.is_kept(), "{difference:?}");
     }
 }
+
+/// Rows that are kept come back byte for byte, and the angles around them run on into them without a jump of a turn.
+#[test]
+fn rows_of_an_earlier_file_are_kept() {
+    let joints = vec![Joint::new("hip", None, Vec3::ZERO), Joint::end("hip_end", 0, Vec3::Y)];
+    let turns = |frames: std::ops::Range<i32>| {
+        frames
+            .flat_map(|frame| [Quat::from_rotation_y(0.1 * frame as f32), Quat::IDENTITY])
+            .collect::<Vec<_>>()
+    };
+    // A spin that has gone on for two turns; the second time the rest of it is made anew.
+    let earlier = clip(joints.clone(), turns(0..200), vec![]);
+    let written = write_bvh(&earlier, &ExportOptions::default()).unwrap();
+    let text = String::from_utf8(written.bytes.clone()).unwrap();
+    let rows: Vec<&str> = text.lines().skip_while(|line| !line.starts_with("Frame Time")).skip(1).collect();
+    let kept = inkrig_formats::bvh_rows(&written.bytes, 150..160).unwrap();
+    assert_eq!(kept.len(), 10);
+    assert_eq!((kept[3].frame, kept[3].text.as_slice()), (153, rows[153].as_bytes()));
+    let wobbling = turns(0..200).into_iter().map(|turn| turn * Quat::from_rotation_y(0.003)).collect();
+    let anew = clip(joints, wobbling, vec![]);
+    let again = write_bvh(&anew, &ExportOptions { kept, ..ExportOptions::default() }).unwrap();
+    let text = String::from_utf8(again.bytes).unwrap();
+    let anew: Vec<&str> = text.lines().skip_while(|line| !line.starts_with("Frame Time")).skip(1).collect();
+    assert_eq!(anew[150..160], rows[150..160]);
+    assert_ne!(anew[149], rows[149]);
+    let angle = |row: &str| row.split(' ').map(|word| word.parse::<f64>().unwrap()).nth(4).unwrap();
+    for pair in anew.windows(2) {
+        assert!((angle(pair[1]) - angle(pair[0])).abs() < 10.0, "{} {}", pair[0], pair[1]);
+    }
+    assert!(
+        inkrig_formats::bvh_rows(&written.bytes, 150..300)
+            .unwrap_err()
+            .to_string()
+            .contains("frames that are there")
+    );
+    let other = vec![inkrig_formats::KeptRow { frame: 1, text: b"1 2 3".to_vec() }];
+    let error = write_bvh(&earlier, &ExportOptions { kept: other, ..ExportOptions::default() }).unwrap_err();
+    assert!(error.to_string().contains("other channels"), "{error}");
+}

@@ -65,15 +65,29 @@ impl PoseChannels {
             width: 0,
         };
         layout.width = 3 + usize::from(layout.in_heading_frame()) + 3 * layout.tracks.len() + 6 * turning;
-        let mut values = Vec::with_capacity(layout.width * clip.frames());
-        layout.encode(clip, &root, &mut values);
-        let rows = Features::from_parts(values, layout.width);
+        let rows = layout.rows(takes);
         (layout, rows)
     }
 
     /// Numbers per row.
     pub fn width(&self) -> usize {
         self.width
+    }
+
+    /// The joint that carries the character through the world.
+    pub fn travel_joint(&self) -> usize {
+        self.travel_joint
+    }
+
+    /// The rows of other takes of that character. Headings count from their first frame.
+    ///
+    /// # Panics
+    /// When the skeleton has fewer joints.
+    pub fn rows(&self, takes: &Takes) -> Features {
+        let root = RootMotion::of_joint(takes, self.travel_joint);
+        let mut values = Vec::with_capacity(self.width * takes.clip().frames());
+        self.encode(takes.clip(), &root, &mut values);
+        Features::from_parts(values, self.width)
     }
 
     /// Puts rows (frames x [`Self::width`]) together to a motion: averaged rotations are projected to the nearest

@@ -108,9 +108,9 @@ pub enum CliError {
         known: &'static str,
     },
     /// A file of keyframes that cannot be understood.
-    #[error("{}: {cause}", printable::path(path))]
+    #[error("{}: {}", printable::path(path), printable::text(cause))]
     #[diagnostic(help(
-        r#"a list such as [{{"time": 0.5, "frame": 120}}, {{"at": [0.3, -1], "frame": 60, "weight": 0.5}}, {{"never": 300}}]"#
+        r#"a list such as [{{"time": 0.5, "frame": 120}}, {{"at": [0.3, -1], "frame": 60, "weight": 0.5}}, {{"never": 300}}]; docs/keys.md has all kinds"#
     ))]
     KeyFile {
         /// The file.
@@ -124,6 +124,14 @@ pub enum CliError {
     Shape {
         /// What was given.
         text: String,
+    },
+    /// A part of an earlier result that cannot stay as it is.
+    #[error("{} cannot be kept: {}", printable::path(path), printable::text(cause))]
+    Fix {
+        /// The earlier result.
+        path: PathBuf,
+        /// Why, and what to do.
+        cause: String,
     },
     /// Two results would go to one file, or a result over an input.
     #[error("{} is named twice: every input and result needs a name of its own", printable::path(.0))]

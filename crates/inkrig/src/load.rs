@@ -52,6 +52,14 @@ fn clip_choice(text: &str) -> ClipChoice {
     text.parse().map_or_else(|_| ClipChoice::Name(text.into()), ClipChoice::Number)
 }
 
+/// The bytes of a motion file.
+///
+/// # Errors
+/// When it is not there or too large.
+pub fn motion_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
+    bytes(path, ImportOptions::default().limits.bytes)
+}
+
 /// Reads a drawn curve.
 ///
 /// # Errors

@@ -5,7 +5,7 @@ use crate::error::CliError;
 use crate::preview::Guide;
 use crate::{load, show};
 use inkrig_align::{Alignment, Control};
-use inkrig_formats::{ExportOptions, Format, SourceInfo, write_motion};
+use inkrig_formats::{ExportOptions, Format, KeptRow, SourceInfo, write_motion};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +22,8 @@ pub(crate) struct Made<'a> {
     pub(crate) source: &'a SourceInfo,
     /// What the page says of why.
     pub(crate) guide: Option<&'a Guide>,
+    /// Rows of an earlier result that are written as they stand there.
+    pub(crate) kept: Vec<KeptRow>,
 }
 
 /// Where it goes.
@@ -63,7 +65,11 @@ pub(crate) fn write<R: Serialize>(
     let written = write_motion(
         &alignment.clip,
         format_of(places.motion)?,
-        &ExportOptions { name: Some(made.title.to_string()), ..ExportOptions::like(made.source) },
+        &ExportOptions {
+            name: Some(made.title.to_string()),
+            kept: made.kept.clone(),
+            ..ExportOptions::like(made.source)
+        },
     )?;
     drop(stage);
     let warnings = load::warnings(&written.findings, places.motion);

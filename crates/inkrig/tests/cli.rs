@@ -13,6 +13,8 @@ mod demo;
 mod explain;
 #[path = "cli/files.rs"]
 mod files;
+#[path = "cli/keys.rs"]
+mod keys;
 #[path = "cli/over_ground.rs"]
 mod over_ground;
 #[path = "cli/retarget.rs"]

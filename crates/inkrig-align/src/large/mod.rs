@@ -73,7 +73,8 @@ pub(crate) fn solve(
     };
     let found = level.polish(found, || tell(count, total))?;
     let weights = FrameWeights::of_plan(&found.plan, level.layouts(), Window::Hann)?;
-    Ok(Matching { plan: found.plan, weights, solver, levels: rows, gradients })
+    let (plan, forbidden) = (found.plan, Vec::new());
+    Ok(Matching { plan, weights, forbidden, solver, levels: rows, gradients })
 }
 
 /// The coarse levels: the last plan and its motion, its layouts, what was done, gradients taken.

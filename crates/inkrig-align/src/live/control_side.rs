@@ -36,7 +36,7 @@ impl ControlSide {
         (table, layout): (&Mat<f32>, &Layout),
         options: &Options,
     ) -> Result<Self, AlignError> {
-        let origin = control.domain.as_ref().map_or_else(Vec::new, |(centre, _)| centre.clone());
+        let origin = control.scaling().map_or_else(Vec::new, |(centre, _)| centre.to_vec());
         let drawn = Arc::new(in_domain(control, table, &origin));
         let unit = unit(control);
         let prepared = Prepared::control(Frames { table: table.view(), layout }, options)?;
@@ -161,12 +161,12 @@ impl Unchanged {
 
 /// 1 unit of a row, in the control's domain.
 fn unit(control: &Control) -> f64 {
-    control.domain.as_ref().map_or(1.0, |(_, scale)| 1.0 / scale)
+    control.scaling().map_or(1.0, |(_, scale)| 1.0 / scale)
 }
 
 /// Rows in the domain's units, from a place that does not move.
 fn in_domain(control: &Control, table: &Mat<f32>, origin: &[f64]) -> Mat<f32> {
-    let Some((centre, scale)) = &control.domain else { return table.clone() };
+    let Some((centre, scale)) = control.scaling() else { return table.clone() };
     Mat::from_fn(table.rows(), table.cols(), |row, column| {
         let shift =
             centre.get(column).zip(origin.get(column)).map_or(0.0, |(centre, origin)| centre - origin);

@@ -13,10 +13,11 @@ use crate::blend::{Window, frame_weights};
 use crate::coarse_to_fine::{Buffers, Frames, Prepared};
 use crate::keys::Keys;
 use crate::level::Level;
+use crate::pca::{Reduced, Subspace};
 use crate::polish::polish;
 use crate::prepared_clip::PreparedClip;
 use crate::pyramid::resample_frames;
-use crate::reconstruct::{Ends, PoseBlend, SparseRow, kept};
+use crate::reconstruct::{Ends, PoseBlend, Rules, SparseRow, kept};
 use crate::{AlignError, Control, Options, Progress, Solver, pca};
 use control_side::ControlSide;
 use finer::at_full_length;
@@ -31,7 +32,7 @@ use warm::FirstPlan;
 #[derive(Debug)]
 pub struct LiveAlignment {
     clip: PreparedClip,
-    reduced: Mat<f32>,
+    reduced: Reduced,
     poses: PoseBlend,
     schedule: Schedule,
     settled: Schedule,
@@ -75,6 +76,9 @@ pub struct LiveAnswer {
     pub seconds: f64,
 }
 
+type MakeAnswer<'a> =
+    dyn FnMut(Mat<f32>, &[usize], (usize, usize), bool) -> Result<LiveAnswer, AlignError> + 'a;
+
 /// A schedule of levels, and what is kept of its last run.
 #[derive(Debug)]
 struct Schedule {
@@ -95,7 +99,7 @@ impl LiveAlignment {
         // Only what changed of the tables is made anew, so they have to be there.
         let options = &Options { solver: Solver::Dense, ..options.clone() };
         let clip = PreparedClip::new(source, options)?;
-        let reduced = pca::reduce(table(&clip.features)?, pca::FEATURE_ENERGY, options.threads)?.frames;
+        let reduced = pca::reduce(table(&clip.features)?, pca::FEATURE_ENERGY, options.threads)?;
         let poses = PoseBlend::new(&clip.source, &clip.matched, options);
         let schedule = |options| Schedule { options, source: None, control: None, first: None };
         let mut live = Self {
@@ -107,7 +111,7 @@ impl LiveAlignment {
             clip,
             reduced,
         };
-        live.schedule.prepare(&live.reduced, &live.clip)?;
+        live.schedule.prepare(&live.reduced.frames, &live.clip)?;
         Ok(live)
     }
 
@@ -118,7 +122,12 @@ impl LiveAlignment {
     /// As [`align`](crate::align), for what concerns the control; [`AlignError::Cancelled`].
     pub fn update(&mut self, control: &Control, observer: LiveObserver<'_>) -> Result<(), AlignError> {
         self.control = Some(control.clone());
-        self.schedule.run(control, (&self.clip, &mut self.poses), &mut self.buffers, observer)
+        self.schedule.run(
+            control,
+            (&self.clip, &self.reduced.subspace, &mut self.poses),
+            &mut self.buffers,
+            observer,
+        )
     }
 
     /// The motion of the last control with all levels and rounds, as [`align`](crate::align) finds it: for when the pen
@@ -128,9 +137,14 @@ impl LiveAlignment {
     /// As for [`update`](Self::update).
     pub fn settle(&mut self, observer: LiveObserver<'_>) -> Result<(), AlignError> {
         let Some(control) = &self.control else { return Ok(()) };
-        self.settled.prepare(&self.reduced, &self.clip)?;
+        self.settled.prepare(&self.reduced.frames, &self.clip)?;
         self.settled.forget();
-        self.settled.run(control, (&self.clip, &mut self.poses), &mut self.buffers, observer)
+        self.settled.run(
+            control,
+            (&self.clip, &self.reduced.subspace, &mut self.poses),
+            &mut self.buffers,
+            observer,
+        )
     }
 
     /// Lets the next update begin as the first one did.
@@ -161,7 +175,7 @@ impl Schedule {
     fn run(
         &mut self,
         control: &Control,
-        (clip, poses): (&PreparedClip, &mut PoseBlend),
+        (clip, subspace, poses): (&PreparedClip, &Subspace, &mut PoseBlend),
         b: &mut Buffers,
         observer: LiveObserver<'_>,
     ) -> Result<(), AlignError> {
@@ -169,7 +183,7 @@ impl Schedule {
         control.validate()?;
         check_control(&clip.source, control, &self.options)?;
         let (drawn, rows) = at_rate(control, &self.options);
-        let keys = clip.keys(control, &rows, &self.options)?;
+        let keys = clip.keys(subspace, control, &rows, &self.options)?;
         let given = (&drawn, &rows);
         with_threads(self.options.threads, || {
             let changed_patches = match &mut self.control {
@@ -180,9 +194,11 @@ impl Schedule {
                 }
             };
             let ends = if control.cyclic { Ends::Loop } else { Ends::Open };
-            self.solve(&keys, b, observer, &mut |weights, (level, levels), warm| {
+            let anchors = keys.anchors();
+            self.solve(&keys, b, observer, &mut |weights, forbidden, (level, levels), warm| {
+                let rules = Rules { ends, anchors: &anchors, forbidden };
                 Ok(LiveAnswer {
-                    clip: poses.clip(&rows_of(&weights), (ends, &keys.exact))?,
+                    clip: poses.clip(&rows_of(&weights), rules)?,
                     weights,
                     level,
                     levels,
@@ -195,13 +211,14 @@ impl Schedule {
         })
     }
 
-    /// Goes through the levels; `answer` makes an answer of weights, a level of how many, and whether it began warm.
+    /// Goes through the levels; `answer` makes an answer of weights, source frames that may not appear (at the finest
+    /// level), a level of how many, and whether it began warm.
     fn solve(
         &mut self,
         keys: &Keys,
         b: &mut Buffers,
         observer: LiveObserver<'_>,
-        answer: &mut dyn FnMut(Mat<f32>, (usize, usize), bool) -> Result<LiveAnswer, AlignError>,
+        answer: &mut MakeAnswer<'_>,
     ) -> Result<(), AlignError> {
         let Self { options, source: Some(source), control: Some(side), first } = self else { return Ok(()) };
         let control = &side.prepared;
@@ -227,14 +244,16 @@ impl Schedule {
             };
             let before = done;
             done += level.rounds(start, options, b, |done| tell(before + done))?;
+            let mut forbidden = Vec::new();
             let weights = if index + 1 == count {
+                forbidden = level.asked.forbidden_frames(level.layouts().1);
                 let plan = polish(&level, options, b, || Ok(()))?;
                 frame_weights(plan.dense(), level.layouts(), Window::Hann, &mut b.weights, threads);
                 std::mem::take(&mut b.weights)
             } else {
                 at_full_length(&b.weights, level.layouts(), (control.layout(), source.layout()))
             };
-            let answer = answer(weights, (index + 1, count), warm)?;
+            let answer = answer(weights, &forbidden, (index + 1, count), warm)?;
             go_on(observer, LiveEvent::Answer(Box::new(answer)))?;
         }
         Ok(())

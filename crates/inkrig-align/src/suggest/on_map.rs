@@ -14,7 +14,7 @@ pub fn keys_on_map(map: &MotionMap, candidates: &[Candidate]) -> Vec<Key> {
     let keys = candidates.iter().filter_map(|candidate| {
         let frame = candidate.moment.frame;
         let place = Place::Value(map.place_of(frame)?.to_vec());
-        Some(Key::Soft { place, frame, weight: WEIGHT })
+        Some(Key::Soft { place, pose: frame.into(), weight: WEIGHT })
     });
     keys.collect()
 }

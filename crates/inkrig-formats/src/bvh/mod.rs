@@ -7,11 +7,13 @@
 mod channel;
 mod hierarchy;
 mod hierarchy_parser;
+mod kept;
 mod motion;
 mod outline;
 mod rows;
 mod write;
 
+pub use kept::bvh_rows;
 pub use write::write_bvh;
 
 use crate::{

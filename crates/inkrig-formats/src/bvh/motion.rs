@@ -65,6 +65,11 @@ pub(super) fn parse(
     Ok(Motion { frame_rate, frame_time, rotations: rows.rotations, translations: rows.translations })
 }
 
+/// Reads what stands between MOTION and the rows; the number of frames that it announces.
+pub(super) fn frame_count_of_header(lexer: &mut Lexer<'_>) -> Result<Option<f64>, FormatError> {
+    Ok(header(lexer)?.frames.map(|(count, _)| count))
+}
+
 /// What stands between MOTION and the rows.
 #[derive(Default)]
 struct Header<'a> {

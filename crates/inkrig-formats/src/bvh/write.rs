@@ -4,7 +4,7 @@ use super::{
     ByAxis, FRAME_TIMES,
     outline::{Outline, Step},
 };
-use crate::{Channel, ExportOptions, Finding, FormatError, Limits, Written, finding::shown, import};
+use crate::{Channel, ExportOptions, Finding, FormatError, KeptRow, Limits, Written, finding::shown, import};
 use crate::{euler::EulerSolver, lexer::LARGEST_NUMBER, numbers::push_decimal};
 use inkrig_motion::{Clip, Joint, glam::Vec3};
 use std::io::Write;
@@ -171,13 +171,36 @@ impl Writer<'_> {
             })
             .filter(|column| !column.channels.is_empty())
             .collect();
+        if let Some(first) = self.options.kept.first() {
+            self.lead_up_to(first, &mut columns)?;
+        }
+        let mut kept = self.options.kept.iter().peekable();
         for frame in 0..self.clip.frames() {
+            if let Some(row) = kept.next_if(|row| row.frame == frame) {
+                resume(&mut columns, row)?;
+                self.out.extend_from_slice(&row.text);
+                self.out.push(b'\n');
+                continue;
+            }
             for column in &mut columns {
                 self.joint(column, frame)?;
             }
             // Each number has a space behind it; the last one's becomes the line end.
             if let Some(last) = self.out.last_mut() {
                 *last = b'\n';
+            }
+        }
+        Ok(())
+    }
+
+    /// Finds the angles of the first frame from which they run on into a row that is given.
+    fn lead_up_to(&self, row: &KeptRow, columns: &mut [Column<'_>]) -> Result<(), FormatError> {
+        resume(columns, row)?;
+        for frame in (0..row.frame.min(self.clip.frames())).rev() {
+            for column in columns.iter_mut() {
+                if let Some(rotation) = self.clip.rotations(frame).get(column.index) {
+                    column.solver.next(self.options.up.file_from_clip_rotation(rotation.as_dquat()));
+                }
             }
         }
         Ok(())
@@ -214,6 +237,31 @@ struct Column<'w> {
     channels: &'w [Channel],
     track: Option<&'w [Vec3]>,
     solver: EulerSolver,
+}
+
+/// Goes on from the angles of a row that is given.
+fn resume(columns: &mut [Column<'_>], row: &KeptRow) -> Result<(), FormatError> {
+    let mut numbers = row.numbers();
+    for column in columns {
+        let own: Vec<f64> = numbers.by_ref().take(column.channels.len()).collect();
+        if own.len() < column.channels.len() {
+            return Err(not_this_file(row));
+        }
+        let turns =
+            column.channels.iter().zip(own).filter(|(channel, _)| matches!(channel, Channel::Rotation(_)));
+        column.solver.resume(turns.map(|(_, degrees)| degrees));
+    }
+    if numbers.next().is_some() { Err(not_this_file(row)) } else { Ok(()) }
+}
+
+fn not_this_file(row: &KeptRow) -> FormatError {
+    FormatError::Write {
+        what: format!(
+            "frame {} has to stay as it is in another file, which has other channels",
+            row.frame + 1
+        ),
+        hint: "keep frames of a file that was written with the same channels".into(),
+    }
 }
 
 /// The value as it can be written. Its rounding to f32 may have brought it beyond what readers take.

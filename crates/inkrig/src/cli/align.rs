@@ -24,6 +24,8 @@ Examples:
       two kinds of movement in turn; four seconds in, the pose of frame 320 of the clip
   inkrig align walk.bvh --curve pen.csv --path way.svg --root bone -o new.bvh
       along a path that is drawn as seen from above, with a root bone for a game engine
+  inkrig align dance.bvh --curve pen.csv --fix 2s..4s --fix-from first.bvh -o second.bvh
+      the third and fourth second of an earlier result stay as they are, the rest is made anew
 
 Curves: JSON ([[x,y],...] or [[x,y,t],...]), CSV (x,y or x,y,t; n rows without t are n frames of 30 a second), SVG (its paths).";
 
@@ -39,13 +41,23 @@ pub struct AlignArgs {
     /// The file to write: .bvh, .glb (a clip of a GLB goes back into a copy of it), .usda, .vrma
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub out: PathBuf,
-    /// A pose at a time: exactly (0.5s=frame:120) or softly, at a time or place (0.5s~frame:120, 0.3,-1~frame:120*0.5)
+    /// A pose at a time, exactly (0.5s=frame:120), or softly at a time, place or label, also a pose of another clip
+    /// (0.5s~frame:120, 0.3,-1~frame:120*0.5, label:walk~other.bvh:120, frame:45~frame:120, sound:1.5s~frame:120)
     #[arg(long = "key", value_name = "KEY", help_heading = "Keyframes", allow_hyphen_values = true)]
     pub keys: Vec<String>,
-    /// A moment that must not appear (frame:120, or with a radius frame:120~0.5)
-    #[arg(long = "never", value_name = "FRAME", help_heading = "Keyframes")]
+    /// A pose to keep away from, also one of another clip (frame:120, or with distance and weight other.bvh:120~1*0.5)
+    #[arg(long = "avoid", value_name = "POSE", help_heading = "Keyframes")]
+    pub avoids: Vec<String>,
+    /// A pose that must not appear at all (frame:120, other.bvh:120, or with a radius frame:120~0.5)
+    #[arg(long = "never", value_name = "POSE", help_heading = "Keyframes")]
     pub nevers: Vec<String>,
-    /// Keyframes from a JSON file
+    /// Keep this part of an earlier result as it is, to the byte, and make the rest anew around it; may be repeated
+    #[arg(long = "fix", value_name = "FROM..TO", help_heading = "Keyframes", requires = "fix_from")]
+    pub fixes: Vec<Span>,
+    /// The earlier result that --fix keeps parts of
+    #[arg(long, value_name = "FILE.bvh", value_hint = ValueHint::FilePath, help_heading = "Keyframes", requires = "fixes")]
+    pub fix_from: Option<PathBuf>,
+    /// All kinds of keyframes from a JSON file
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath, help_heading = "Keyframes")]
     pub key_file: Option<PathBuf>,
     /// The curve is drawn over the clip's map (see inkrig suggest --map): where it is, the map's pose there is meant

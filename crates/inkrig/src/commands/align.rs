@@ -1,10 +1,11 @@
 //! `inkrig align`: a clip and a control in, a clip that follows the control out.
 
+use super::at_rate::at_rate;
 use super::control::control;
-use super::keys;
+use super::keys::{self, Kept};
 use super::record::{Explained, Record, Solution};
 use super::settings::options;
-use crate::cli::{AlignArgs, ImportArgs};
+use crate::cli::{AlignArgs, ImportArgs, RootMode};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::guide::{CANDIDATES, Suggestions, guide};
@@ -23,14 +24,33 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
     let output = Output { force: args.force };
     let mut options = options(args);
     options.validate()?;
-    options.keys = keys::all(args)?;
-    check_names(args, output)?;
+    let wishes = keys::all(args)?;
+    let mut inputs = args.inputs();
+    inputs.extend(keys::files(&wishes, args).into_iter().filter(|file| !args.inputs().contains(file)));
+    check_names(args, &inputs, output)?;
     let over_ground = OverGround::of(&args.root)?;
     let mut warnings = Vec::new();
-    let (source, first) = source(&args.clips, args.range, &args.import, console, &mut warnings)?;
-    keys::count_from_range(&mut options.keys, args, source.clip().frame_rate())?;
+    let Sources { takes: source, first, parts } =
+        source(&args.clips, args.range, &args.import, console, &mut warnings)?;
     let control =
         control(args, &options, |path| Ok(motion(path, &args.import, console, &mut warnings)?.clip))?;
+    let rate = args.fps.unwrap_or_else(|| source.clip().frame_rate());
+    let clips = keys::Clips { takes: &source, parts: &parts, rate };
+    let read = |path: &Path| motion(path, &args.import, console, &mut warnings);
+    let (keys, kept) = keys::resolve(&wishes, &clips, &control, read)?;
+    if kept.is_some() && (args.root.root != RootMode::Travel || args.root.path.is_some()) {
+        let cause =
+            "--path and --root move all of the motion over the ground: leave them out, or --fix".to_string();
+        return Err(CliError::Fix { path: args.fix_from.clone().unwrap_or_default(), cause });
+    }
+    if kept.is_some() && load::extension(&args.out).as_deref() != Some("bvh") {
+        let cause = "what stays to the byte is written to BVH files only: give -o a name that ends in .bvh"
+            .to_string();
+        return Err(CliError::Fix { path: args.fix_from.clone().unwrap_or_default(), cause });
+    }
+    options.keys = keys;
+    // The result is written as the earlier one whose rows it keeps.
+    let (kept, first) = kept.map_or((Vec::new(), first), |kept: Kept| (kept.rows, kept.source));
     let mut suggestions = None;
     if args.on_map {
         let found = Suggestions::of(&source, &options, CANDIDATES)?;
@@ -50,7 +70,7 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
             alignment.clip = if args.cyclic {
                 cycle::resample_loop(&alignment.clip, rate)?
             } else {
-                time::resample(&alignment.clip, rate)?
+                at_rate(alignment, rate)?
             };
         }
     }
@@ -62,7 +82,7 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
     let first_frame = keys::first_frame(args, source.clip().frame_rate());
     let listed: Vec<Solution> =
         solutions.iter().enumerate().map(|(index, one)| Solution::of(&args.out_of(index), one)).collect();
-    let mut kept = None;
+    let mut first_record = None;
     for (index, (Alternative { alignment, .. }, (written_as, ground))) in
         solutions.iter().zip(grounds).enumerate()
     {
@@ -71,8 +91,14 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
             suggestions.map(|suggestions| guide(alignment, suggestions, &options, &names, first_frame));
         let title =
             title(args) + &if index > 0 { format!(", solution {}", index + 1) } else { String::new() };
-        let made =
-            Made { title: &title, alignment, control: &control, source: &written_as, guide: guide.as_ref() };
+        let made = Made {
+            title: &title,
+            alignment,
+            control: &control,
+            source: &written_as,
+            kept: kept.clone(),
+            guide: guide.as_ref(),
+        };
         let names = Numbered::of(args, index);
         let record = results::write(
             &made,
@@ -81,16 +107,24 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
             |more| {
                 let mut explained = Explained::of(alignment, &options, suggestions, first_frame);
                 explained.solutions.clone_from(&listed);
-                Record::of(args, &options, alignment, explained, ground, [warnings.clone(), more].concat())
+                Record::of(
+                    args,
+                    &inputs,
+                    &options,
+                    alignment,
+                    explained,
+                    ground,
+                    [warnings.clone(), more].concat(),
+                )
             },
             &mut |path, bytes| Ok(output.write(path, bytes)?),
         )?;
-        kept.get_or_insert(record);
+        first_record.get_or_insert(record);
     }
     if args.solutions > 1 && solutions.len() == 1 {
         console.say("no other solution fits as well")?;
     }
-    console.result(&kept)
+    console.result(&first_record)
 }
 
 /// The solutions that were asked for, at least one.
@@ -192,18 +226,31 @@ impl AlignArgs {
     }
 }
 
-/// The clips to arrange, and where the first came from.
+/// The clips to arrange.
+pub(super) struct Sources {
+    pub(super) takes: Takes,
+    /// Where the first came from.
+    pub(super) first: SourceInfo,
+    /// Path, frames a second and first frame that is used of every clip.
+    pub(super) parts: Vec<(PathBuf, f64, usize)>,
+}
+
+/// Reads the clips to arrange.
 pub(super) fn source(
     paths: &[PathBuf],
     range: Option<Span>,
     options: &ImportArgs,
     console: &Console,
     warnings: &mut Vec<String>,
-) -> Result<(Takes, SourceInfo), CliError> {
+) -> Result<Sources, CliError> {
     let mut first = None;
+    let mut parts = Vec::with_capacity(paths.len());
     let mut clips = Vec::with_capacity(paths.len());
     for path in paths {
         let import = motion(path, options, console, warnings)?;
+        let rate = import.clip.frame_rate();
+        let start = range.and_then(|range| range.start).map_or(0, |start| start.frames(rate));
+        parts.push((path.clone(), rate, start));
         clips.push(cut(import.clip, path, range)?);
         first.get_or_insert(import.source);
     }
@@ -213,7 +260,7 @@ pub(super) fn source(
         }
         other => other.into(),
     })?;
-    Ok((takes, first.ok_or(MotionError::NoFrames)?))
+    Ok(Sources { takes, first: first.ok_or(MotionError::NoFrames)?, parts })
 }
 
 /// Reads a motion and says what is odd in it.
@@ -245,9 +292,8 @@ pub(super) fn cut(clip: Clip, path: &Path, range: Option<Span>) -> Result<Clip, 
 }
 
 /// Says before any work whether the results can be written, each to a file of its own.
-fn check_names(args: &AlignArgs, output: Output) -> Result<(), CliError> {
+fn check_names(args: &AlignArgs, inputs: &[PathBuf], output: Output) -> Result<(), CliError> {
     results::format_of(&args.out)?;
-    let inputs = args.inputs();
     let names: Vec<Numbered> = (0..args.solutions).map(|index| Numbered::of(args, index)).collect();
     let places = || names.iter().flat_map(|names| names.places().all());
     names::all_differ(inputs.iter().map(PathBuf::as_path).chain(places()))?;

@@ -93,6 +93,7 @@ impl Scene {
             control: &control,
             source: &import.source,
             guide: Some(&guide),
+            kept: Vec::new(),
         };
         let [motion, preview, sheet] = self.results().map(|name| files.path(&name));
         let places = Places { motion: &motion, report: None, preview: Some(&preview), sheet: Some(&sheet) };

@@ -7,7 +7,7 @@ use crate::printable::json_path;
 use crate::span::seconds;
 use inkrig_align::{AMBIGUOUS, Alignment, Alternative, Explanation, Options};
 use serde::Serialize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What `--report` and `--json` hold; the names are stable.
 #[derive(Serialize)]
@@ -24,8 +24,8 @@ pub(super) struct Record<'a> {
     inputs: Vec<String>,
     /// A wave or labels, where they were given as text.
     control: Option<String>,
-    /// Keys given on the command line.
-    keys: Vec<String>,
+    /// Keys as they were given on the command line; `keys` says how each was met.
+    key_arguments: Vec<String>,
     outputs: Vec<String>,
     #[serde(flatten)]
     explained: Explained,
@@ -38,6 +38,7 @@ impl<'a> Record<'a> {
     /// The record of a run; `alignment` holds the clip as it was written.
     pub(super) fn of(
         args: &AlignArgs,
+        inputs: &[PathBuf],
         options: &Options,
         alignment: &'a Alignment,
         explained: Explained,
@@ -52,9 +53,9 @@ impl<'a> Record<'a> {
             seconds: seconds(clip),
             root,
             program: concat!("inkrig ", env!("CARGO_PKG_VERSION")),
-            inputs: args.inputs().iter().map(|path| json_path(path)).collect(),
+            inputs: inputs.iter().map(|path| json_path(path)).collect(),
             control: args.control.text().map(str::to_string),
-            keys: args.keys.iter().chain(&args.nevers).cloned().collect(),
+            key_arguments: key_arguments(args),
             outputs: args.places().all().map(json_path).collect(),
             explained,
             warnings,
@@ -124,6 +125,13 @@ impl Explained {
             solutions: Vec::new(),
         }
     }
+}
+
+fn key_arguments(args: &AlignArgs) -> Vec<String> {
+    let flags = [("--key", &args.keys), ("--avoid", &args.avoids), ("--never", &args.nevers)];
+    let said =
+        flags.into_iter().flat_map(|(flag, texts)| texts.iter().map(move |text| format!("{flag} {text}")));
+    said.chain(args.fixes.iter().map(|span| format!("--fix {span}"))).collect()
 }
 
 /// What was asked for, in the words of the command line (`null` where nothing was said), and what the engine made of

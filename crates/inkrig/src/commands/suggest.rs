@@ -27,7 +27,7 @@ pub(super) fn run(args: &SuggestArgs, console: &Console) -> Result<(), CliError>
         output.check(path)?;
     }
     let mut warnings = Vec::new();
-    let (source, _) = source(&args.clips, args.range, &args.import, console, &mut warnings)?;
+    let source = source(&args.clips, args.range, &args.import, console, &mut warnings)?.takes;
     let stage = console.stage("looking for poses");
     let options = Options { threads: settings::threads(args.threads), ..Options::default() };
     let suggestions = Suggestions::of(&source, &options, args.count)?;

@@ -3,7 +3,7 @@
 use super::{desk, inkrig, text};
 use std::path::Path;
 
-fn report(folder: &Path, arguments: &[&str]) -> serde_json::Value {
+pub(super) fn report(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     let output =
         inkrig(folder, &[&["align", "person.bvh", "-o", "new.bvh", "--force", "--json"], arguments].concat());
     assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
@@ -50,7 +50,7 @@ fn waves_labels_and_other_motions_are_followed() {
 }
 
 /// Four seconds of two tones in turn, as a WAV file of 16 bits at 8 kHz.
-fn tune() -> Vec<u8> {
+pub(super) fn tune() -> Vec<u8> {
     wav((0..32_000).map(|i| {
         let pitch = if i / 8000 % 2 == 0 { 220.0 } else { 660.0 };
         ((f64::from(i) / 8000.0 * pitch * std::f64::consts::TAU).sin() * 12_000.0) as i16
@@ -107,27 +107,6 @@ fn several_clips_of_one_character_are_mixed_and_others_refused() {
 }
 
 #[test]
-fn keys_are_met() {
-    let (_keep, folder) = desk();
-    std::fs::write(folder.join("keys.json"), r#"[{"time": 1, "frame": 500}, {"never": 320}]"#).unwrap();
-    report(&folder, &["--curve", "circles.csv", "--key", "2s=frame:400", "--key-file", "keys.json"]);
-    let read = |name: &str| {
-        let bytes = std::fs::read(folder.join(name)).unwrap();
-        inkrig::formats::read_bvh(&bytes, &inkrig::formats::ImportOptions::default()).unwrap().clip
-    };
-    let (new, old) = (read("new.bvh"), read("person.bvh"));
-    for (at, frame) in [(60, 400), (30, 500)] {
-        for (a, b) in new.rotations(at).iter().zip(old.rotations(frame)).skip(1) {
-            assert!(a.angle_between(*b) < 2e-3, "frame {at}");
-        }
-    }
-    // Counted in the file, also where only a part of it is used.
-    report(&folder, &["--curve", "circles.csv", "--range", "10s..", "--key", "2s=frame:400"]);
-    let new = read("new.bvh");
-    assert!(new.rotations(60)[5].angle_between(old.rotations(400)[5]) < 2e-3);
-}
-
-#[test]
 fn mistakes_in_controls_and_keys_are_named() {
     let (_keep, folder) = desk();
     std::fs::write(folder.join("keys.json"), r#"[{"time": 1, "fram": 2}]"#).unwrap();
@@ -140,6 +119,13 @@ fn mistakes_in_controls_and_keys_are_named() {
     assert!(says(&["--key", "0.5=frame:1"]).contains("0.5s=frame:120"));
     assert!(says(&["--key", "0.5s=frame:100000"]).contains("no frame 100000"));
     assert!(says(&["--never", "120"]).contains("frame:120~0.5"));
+    assert!(says(&["--avoid", "walk:1"]).contains("other.bvh:120"));
+    assert!(says(&["--key", "1s=other.bvh:3"]).contains("name this file among them"));
+    assert!(says(&["--key", "sound:1s~frame:3"]).contains("goes with --sound"));
+    assert!(says(&["--never", "missing.bvh:3"]).contains("missing.bvh could not be read"));
+    assert!(says(&["--key", "1s=frame:3", "--key", "1s=frame:9"]).contains("drop one of them"));
+    assert!(says(&["--fix", "1s..2s"]).contains("--fix-from"));
+    assert!(says(&["--fix", "1s..2s", "--fix-from", "never.bvh"]).contains("named twice"));
     assert!(says(&["--key-file", "keys.json"]).contains("keys.json"));
     assert!(says(&["--range", "10s..", "--key", "1s=frame:3"]).contains("before --range begins"));
     assert!(!folder.join("never.bvh").exists());
