@@ -1,7 +1,7 @@
 //! Long inputs: what the low-rank and the sparse solver make of them, and how near that is to the dense one.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and prints its figures")]
 
-use inkrig_align::{Alignment, Control, CurveOptions, Options, Solver, align};
+use inkrig_align::{Alignment, Control, CurveOptions, Key, Options, Place, Pose, Solver, align};
 use inkrig_formats::{ImportOptions, read_bvh};
 use inkrig_motion::{Clip, Takes, time};
 use inkrig_sketch::shapes;
@@ -125,4 +125,37 @@ fn too_long_is_said_before_anything_is_made() {
     control.rate = 1.5;
     let message = says(&control, &by(Solver::Dense));
     assert!(message.contains("6000 frames") && message.contains("--length"), "{message}");
+}
+
+#[test]
+fn keys_hold_in_sparse_plans_too() {
+    let (source, control) = (takes(900), circles(480));
+    let plain = run(&source, &control, &by(Solver::Sparse));
+    // The moment that is used most in the middle, at 30 frames a second.
+    let used = (plain.best_source[240] * 30.0).round() as usize;
+    let keys = vec![
+        Key::Hard { seconds: 3.0, frame: 700 },
+        Key::Never { pose: Pose::Frame(used), radius: 0.3 },
+        Key::Soft { place: Place::Value(vec![1.0, 0.0]), pose: Pose::Frame(820), weight: 0.5 },
+        Key::Avoid { pose: Pose::Frame(300), distance: 0.5, weight: 1.0 },
+    ];
+    let result = run(&source, &control, &Options { keys, ..by(Solver::Sparse) });
+    let pairs = result.clip.rotations(90).iter().zip(source.clip().rotations(700)).skip(1);
+    let apart = pairs.map(|(a, b)| a.angle_between(*b)).fold(0.0, f32::max);
+    assert!(apart < 1e-3, "{apart} radians from the key's pose");
+    let without = |result: &Alignment| {
+        result.best_source.iter().all(|moment| ((moment * 30.0).round() as usize).abs_diff(used) > 1)
+    };
+    assert!(without(&result) && !without(&plain));
+    // The patches that hold that frame: every take has ten fewer of them than frames.
+    let (take, range) = source.ranges().enumerate().find(|(_, range)| range.contains(&used)).unwrap();
+    let starts = used.saturating_sub(10).max(range.start)..=used.min(range.end - 11);
+    for start in starts {
+        assert_eq!(result.plan.column_mass()[start - 10 * take], 0.0, "patch from frame {start} on");
+    }
+    assert!(result.report.jump_q999_ratio <= 2.5, "{:?}", result.report);
+    let both =
+        vec![Key::Hard { seconds: 1.0, frame: 100 }, Key::Never { pose: Pose::Frame(100), radius: 0.1 }];
+    let options = Options { keys: both, ..by(Solver::Sparse) };
+    assert!(align(&source, &control, &options, &mut |_| ControlFlow::Continue(())).is_err());
 }

@@ -14,9 +14,9 @@ const MARGIN: f32 = 1.15;
 #[derive(Debug, Default)]
 pub(crate) struct LevelKeys {
     pub(crate) mask: Mask,
-    soft: Vec<Soft>,
+    pub(super) soft: Vec<Soft>,
     /// What every column costs because of poses to keep away from; empty without them.
-    avoid: Vec<f32>,
+    pub(super) avoid: Vec<f32>,
     /// Poses that must not appear, with the normalised distance to keep from each.
     never: Vec<(KeyPatch, f32)>,
     /// Frames of the result that are known, with their coordinates.
@@ -25,12 +25,12 @@ pub(crate) struct LevelKeys {
 
 /// One soft key at a level.
 #[derive(Debug)]
-struct Soft {
+pub(super) struct Soft {
     /// Normalised distance of every row to the key's place.
-    rows: Vec<f32>,
+    pub(super) rows: Vec<f32>,
     /// Normalised distance of every column to the key's pose.
-    columns: Vec<f32>,
-    weight: f64,
+    pub(super) columns: Vec<f32>,
+    pub(super) weight: f64,
 }
 
 /// The tables of one level.
@@ -194,21 +194,11 @@ impl LevelKeys {
     /// Soft keys cost alpha (2 w / K) (d_Y(y_i, y_k) - d_X(x_j, x_k))^2, summed over the K keys: what the paper's
     /// block-diagonal substitution amounts to. Poses to keep away from cost alpha 2 w max(0, r - d_X(x_j, x_k))^2.
     pub(crate) fn cost(&self, rows: usize, columns: usize, alpha: f64) -> Option<Mat<f32>> {
-        if self.soft.is_empty() && self.avoid.is_empty() {
+        if !self.has_costs() {
             return None;
         }
-        let share = 2.0 * alpha / self.soft.len().max(1) as f64;
         let mut cost = Mat::zeros(rows, columns);
-        for i in 0..rows {
-            let row = cost.row_mut(i);
-            row.iter_mut().zip(&self.avoid).for_each(|(value, &avoid)| *value = alpha as f32 * avoid);
-            for soft in &self.soft {
-                let (factor, control) = ((share * soft.weight) as f32, soft.rows[i]);
-                for (value, &source) in row.iter_mut().zip(&soft.columns) {
-                    *value += factor * (control - source) * (control - source);
-                }
-            }
-        }
+        (0..rows).for_each(|row| self.add_costs(row, alpha, cost.row_mut(row)));
         Some(cost)
     }
 
@@ -222,23 +212,31 @@ impl LevelKeys {
         scale: f32,
         cost: &mut Mat<f32>,
     ) {
-        for (pose, radius) in &self.never {
-            let near = pose.distances(motion, rows, scale);
-            for (row, distance) in near.into_iter().enumerate().filter(|(_, near)| *near < MARGIN * radius) {
-                let moved = KeyPatch::of(motion, rows, row).away_from(
-                    pose,
-                    distance / scale,
-                    MARGIN * radius / scale,
-                );
-                let moved = moved.distances(source, columns, scale);
-                cost.row_mut(row).copy_from_slice(&moved);
-            }
+        for (row, moved) in self.away((motion, rows), scale) {
+            cost.row_mut(row).copy_from_slice(&moved.distances(source, columns, scale));
         }
         if !self.avoid.is_empty() {
             for row in 0..cost.rows() {
                 cost.row_mut(row).iter_mut().zip(&self.avoid).for_each(|(value, &avoid)| *value += avoid);
             }
         }
+    }
+
+    /// The rows of a motion that lie near a forbidden pose, each where it would lie if it were moved straight away from it.
+    pub(super) fn away(
+        &self,
+        (motion, rows): (MatRef<'_, f32>, &Layout),
+        scale: f32,
+    ) -> Vec<(usize, KeyPatch)> {
+        let mut moved = Vec::new();
+        for (pose, radius) in &self.never {
+            let near = pose.distances(motion, rows, scale).into_iter().enumerate();
+            for (row, distance) in near.filter(|(_, near)| *near < MARGIN * radius) {
+                let patch = KeyPatch::of(motion, rows, row);
+                moved.push((row, patch.away_from(pose, distance / scale, MARGIN * radius / scale)));
+            }
+        }
+        moved
     }
 
     /// Puts what is known of the result into a motion in the subspace, which has the rows of the control's layout.

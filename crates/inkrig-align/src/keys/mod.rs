@@ -6,11 +6,13 @@ mod level;
 mod met;
 mod moment;
 mod resolve;
+mod sparse;
 
 pub(crate) use level::{LevelKeys, LevelTables};
 pub use met::KeyRow;
 pub use resolve::Keys;
 pub(crate) use resolve::{Context, Timing};
+pub(crate) use sparse::Moved;
 
 use inkrig_motion::Clip;
 use std::ops::Range;

@@ -5,7 +5,6 @@
 //! the coarser plan suggests; then its support is chosen anew by the gradient at all entries, which is looked at a block of
 //! rows at a time, so that it may leave what the coarser level thought of.
 
-mod asked;
 mod nearest;
 mod refine;
 mod side;
@@ -34,9 +33,9 @@ pub(crate) fn solve(
     buffers: &mut Buffers,
     observer: Observer<'_>,
 ) -> Result<Matching, AlignError> {
-    if !options.keys.is_empty() {
-        let what = "a sparse plan takes no keys yet: give --solver lowrank, or shorter inputs".to_string();
-        return Err(AlignError::Key { what });
+    if let (true, Some(pair)) = (keys.forbid(), levels.sparse.last()) {
+        // What cannot be met in full is said before any work.
+        SparseLevel::new(source, control, pair, keys, options)?;
     }
     let (count, total) = (levels.count(), levels.gradients(options));
     let mut tell = |level, done| progress::report(observer, Progress { level, levels: count, done, total });
@@ -73,8 +72,8 @@ pub(crate) fn solve(
     };
     let found = level.polish(found, || tell(count, total))?;
     let weights = FrameWeights::of_plan(&found.plan, level.layouts(), Window::Hann)?;
-    let (plan, forbidden) = (found.plan, Vec::new());
-    Ok(Matching { plan, weights, forbidden, solver, levels: rows, gradients })
+    let forbidden = level.forbidden_frames();
+    Ok(Matching { plan: found.plan, weights, forbidden, solver, levels: rows, gradients })
 }
 
 /// The coarse levels: the last plan and its motion, its layouts, what was done, gradients taken.

@@ -1,7 +1,7 @@
 //! Looking for the source patches that a row of a plan needs, over all of the source, a block of rows at a time.
 
 use super::side::Side;
-use crate::keys::LevelKeys;
+use crate::keys::{LevelKeys, Moved};
 use crate::layout::Run;
 use crate::patches::{PatchScratch, patch_distances};
 use crate::{AlignError, Layout};
@@ -19,6 +19,8 @@ pub(crate) struct Scores<'a> {
     /// What the solver would have, and the weight of structure for what keys cost; without it they cost nothing.
     pub(crate) gradient: Option<(&'a GradientRows<'a, f32>, f64)>,
     pub(crate) asked: &'a LevelKeys,
+    /// Rows that are matched from elsewhere.
+    pub(crate) moved: &'a Moved,
 }
 
 impl Scores<'_> {
@@ -37,8 +39,27 @@ impl Scores<'_> {
                 None => out.fill(0.0),
             }
             self.add_distances(&runs, first, out);
+            if self.gradient.is_none() {
+                self.steer(first, out);
+            }
             self.asked.close(first, columns, out);
         })?)
+    }
+
+    /// Rows that are matched from elsewhere, and what poses to keep away from cost.
+    fn steer(&self, first: usize, out: &mut [f32]) {
+        let columns = self.source.layout.patches();
+        let rows = first..first + out.len() / columns;
+        let clip = (self.source.frames.view(), &self.source.layout);
+        for row in self.moved.rows().filter(|row| rows.contains(row)) {
+            if let Some(distances) = self.moved.distances(row, clip, self.source.scale) {
+                out[(row - first) * columns..][..columns].copy_from_slice(&distances);
+            }
+        }
+        let avoided = self.asked.avoided();
+        for out in out.chunks_exact_mut(columns).filter(|_| !avoided.is_empty()) {
+            out.iter_mut().zip(avoided).for_each(|(score, avoid)| *score += avoid);
+        }
     }
 
     fn add_distances(&self, runs: &[Run], first: usize, out: &mut [f32]) {

@@ -3,7 +3,7 @@
 use super::nearest::Scores;
 use super::side::Side;
 use crate::blend::Window;
-use crate::keys::{Keys, LevelKeys};
+use crate::keys::{Keys, LevelKeys, LevelTables, Moved};
 use crate::polish::POLISH_TEMPERATURE;
 use crate::pyramid::close_loop;
 use crate::solver::Pair;
@@ -44,13 +44,19 @@ impl<'a> SparseLevel<'a> {
         source: Frames<'_>,
         control: Frames<'_>,
         (rows, columns): &Pair,
-        _keys: &Keys,
+        keys: &Keys,
         options: &'a Options,
     ) -> Result<Self, AlignError> {
         let side = |frames, layout, norm| Side::new(frames, layout, norm, options.threads);
         let clip = side(source, columns, options.source_norm)?.ok_or(AlignError::StillClip)?;
         let drawn = side(control, rows, options.control_norm)?.ok_or(AlignError::StillControl)?;
-        Ok(Self { source: clip, control: drawn, asked: LevelKeys::default(), options })
+        let asked = keys.at_level(&LevelTables {
+            full: (control.layout, source.layout),
+            level: (rows, columns),
+            control: (drawn.frames.view(), drawn.scale),
+            source: (clip.frames.view(), clip.scale),
+        })?;
+        Ok(Self { source: clip, control: drawn, asked, options })
     }
 
     /// Matches and blends from a plan and a motion on; `tell` hears the gradients taken after every round.
@@ -61,23 +67,27 @@ impl<'a> SparseLevel<'a> {
         mut tell: impl FnMut(usize) -> Result<(), AlignError>,
     ) -> Result<Found, AlignError> {
         let options = self.options;
-        let mut support = found.plan.support().cloned().unwrap_or_default();
+        self.asked.hold(&self.control.layout, &mut found.motion);
+        let mut support = self.asked.opened(found.plan.support().cloned().unwrap_or_default())?;
         let mut cost = Vec::new();
         let mut scaled: Option<LowRank<f32>> = None;
         workspace.resume(&found.plan);
         if self.is_searched() {
             self.costs(&found.motion, &support, &mut cost)?;
-            let problem = self.problem(&self.control.distances, &support, &cost)?;
+            let problem = self.problem(&self.control.distances, &support, &cost, None)?;
             let gradient = workspace.gradient(&problem)?;
             let (alpha, reach) = (options.alpha, REACH * options.epsilon);
-            let scores = self.scores(&found.motion, Some((&gradient, alpha)), (1.0 - alpha) as f32);
+            let nothing = Moved::default();
+            let weight = (1.0 - alpha) as f32;
+            let scores = self.scores(&found.motion, Some((&gradient, alpha)), weight, &nothing);
             support = scores.search(self.search(reach))?;
         }
+        let bias = self.asked.costs_at(&support, options.alpha);
         let learned = options.control_norm == Norm::Learned;
         for round in 0..options.rounds {
             self.costs(&found.motion, &support, &mut cost)?;
             let distances = scaled.as_ref().unwrap_or(&self.control.distances);
-            let problem = self.problem(distances, &support, &cost)?;
+            let problem = self.problem(distances, &support, &cost, bias.as_deref())?;
             let (iterations, start) = (options.iterations, Start::Continue);
             let trace = if learned { usize::MAX } else { 0 };
             let solver = MmSinkhorn { iterations, start, trace, ..MmSinkhorn::default() };
@@ -104,13 +114,15 @@ impl<'a> SparseLevel<'a> {
         let mut cost = Vec::new();
         for _ in 0..self.options.polish {
             go_on()?;
+            let moved = self.asked.moved((found.motion.view(), &self.control.layout), self.source.scale);
             let support = if self.is_searched() {
                 let search = self.search(POLISH_REACH * POLISH_TEMPERATURE);
-                self.scores(&found.motion, None, 1.0).search(search)?
+                self.scores(&found.motion, None, 1.0, &moved).search(search)?
             } else {
-                found.plan.support().cloned().unwrap_or_default()
+                self.asked.opened(found.plan.support().cloned().unwrap_or_default())?
             };
             self.costs(&found.motion, &support, &mut cost)?;
+            self.steer(&moved, &support, &mut cost);
             let mass = 1.0 / support.rows() as f32;
             for row in 0..support.rows() {
                 soften(&mut cost[support.range(row)], POLISH_TEMPERATURE as f32, mass);
@@ -140,6 +152,7 @@ impl<'a> SparseLevel<'a> {
         motion: &'b Mat<f32>,
         gradient: Option<(&'b GradientRows<'b, f32>, f64)>,
         weight: f32,
+        moved: &'b Moved,
     ) -> Scores<'b> {
         Scores {
             motion,
@@ -148,6 +161,7 @@ impl<'a> SparseLevel<'a> {
             weight,
             gradient,
             asked: &self.asked,
+            moved,
         }
     }
 
@@ -160,10 +174,12 @@ impl<'a> SparseLevel<'a> {
         control: &'b LowRank<f32>,
         support: &'b Support,
         cost: &'b [f32],
+        bias: Option<&'b [f32]>,
     ) -> Result<SparseProblem<'b, f32>, AlignError> {
         let Options { alpha, lambda, epsilon, .. } = *self.options;
         let params = Params { alpha, lambda, epsilon };
-        Ok(SparseProblem::new(control, &self.source.distances, support, Some(cost), params)?)
+        let problem = SparseProblem::new(control, &self.source.distances, support, Some(cost), params)?;
+        self.asked.bind_sparse(problem, bias)
     }
 
     fn costs(&self, motion: &Mat<f32>, support: &Support, out: &mut Vec<f32>) -> Result<(), AlignError> {
@@ -171,10 +187,32 @@ impl<'a> SparseLevel<'a> {
         Ok(own.distances_at(&clip, support, self.source.scale, self.options.threads, out)?)
     }
 
+    /// Brings the costs of polish at the entries to those of [`LevelKeys::steer`].
+    fn steer(&self, moved: &Moved, support: &Support, cost: &mut [f32]) {
+        let clip = (self.source.frames.view(), &self.source.layout);
+        for row in moved.rows() {
+            if let Some(distances) = moved.distances(row, clip, self.source.scale) {
+                let entries = cost[support.range(row)].iter_mut().zip(support.row(row));
+                entries.for_each(|(cost, &column)| *cost = distances[column as usize]);
+            }
+        }
+        let avoided = self.asked.avoided();
+        for row in (0..support.rows()).filter(|_| !avoided.is_empty()) {
+            let entries = cost[support.range(row)].iter_mut().zip(support.row(row));
+            entries.for_each(|(cost, &column)| *cost += avoided[column as usize]);
+        }
+    }
+
+    /// Source frames that may not appear.
+    pub(crate) fn forbidden_frames(&self) -> Vec<usize> {
+        self.asked.forbidden_frames(&self.source.layout)
+    }
+
     fn blend(&self, plan: &Plan<f32>, motion: &mut Mat<f32>) -> Result<(), AlignError> {
         let weights = FrameWeights::of_plan(plan, self.layouts(), Window::Box)?;
         weights.blend(self.source.frames.view(), self.options.threads, motion)?;
         close_loop(&self.control.layout, motion);
+        self.asked.hold(&self.control.layout, motion);
         Ok(())
     }
 
