@@ -9,7 +9,7 @@
 
 use inkrig_align::{Alignment, Control, CurveOptions, Options, Solver, align};
 use inkrig_formats::{ImportOptions, read_bvh};
-use inkrig_motion::{Takes, time};
+use inkrig_motion::{Clip, Takes, time};
 use inkrig_sketch::{Curve, SketchError, shapes};
 use std::error::Error;
 use std::ops::ControlFlow;
@@ -115,9 +115,14 @@ fn source(folder: Option<&Path>, frames: usize) -> Result<Takes> {
         None => {
             let person = inkrig_samples::find("person").ok_or("no sample person")?;
             let clip = read_bvh(person.bytes, &ImportOptions::default())?.clip;
-            for speed in (0..frames.div_ceil(500)).map(|k| 0.7 + 0.06 * k as f64) {
+            let mut made = 0;
+            for speed in (0..20).cycle().map(|k| 0.7 + 0.06 * f64::from(k)) {
                 let places = (0..(clip.frames() as f64 / speed) as usize).map(|at| at as f64 * speed);
                 clips.push(time::sample_at(&clip, &places.collect::<Vec<_>>(), 30.0)?);
+                made += clips.last().map_or(0, Clip::frames);
+                if made >= frames {
+                    break;
+                }
             }
         }
     }

@@ -49,7 +49,7 @@ pub(crate) fn solve(
         let fine = level.layouts();
         let mut motion = Mat::default();
         resample_frames(found.motion.view(), &layouts.0, fine.0, &mut motion);
-        let plan = refine(&found.plan, (&layouts.0, &layouts.1), fine)?;
+        let plan = refine(&found.plan, (&layouts.0, &layouts.1), fine, level.taken_over())?;
         let before = gradients;
         found = level.rounds(Found { plan, motion }, &mut workspace, |done| tell(index, before + done))?;
         gradients += options.rounds * options.iterations;

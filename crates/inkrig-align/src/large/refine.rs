@@ -3,24 +3,23 @@
 use crate::{AlignError, Layout};
 use inkrig_transport::{Plan, Support};
 
-/// Best sources of a coarse row that are taken over.
-const BEST: usize = 48;
 /// Coarse columns to either side of them that are opened too.
 const SPREAD: usize = 1;
 
-/// Brings a plan to finer layouts: every row takes the best sources of the three coarse rows around it, those of the middle
+/// Brings a plan to finer layouts: every row takes the `most` best sources of the three coarse rows around it, those of the middle
 /// one twice, each spread evenly over the fine columns that it stands for.
 pub(crate) fn refine(
     plan: &Plan<f32>,
     (coarse_rows, coarse_columns): (&Layout, &Layout),
     (rows, columns): (&Layout, &Layout),
+    most: usize,
 ) -> Result<Plan<f32>, AlignError> {
     let row_of = coarse_patches(rows, coarse_rows);
     let column_of = coarse_patches(columns, coarse_columns);
     // The fine columns of every coarse one.
     let mut groups: Vec<Vec<usize>> = vec![Vec::new(); plan.cols()];
     column_of.iter().enumerate().for_each(|(fine, &coarse)| groups[coarse].push(fine));
-    let best: Vec<Vec<(usize, f32)>> = (0..plan.rows()).map(|row| best(plan, row)).collect();
+    let best: Vec<Vec<(usize, f32)>> = (0..plan.rows()).map(|row| best(plan, row, most)).collect();
     let (mut line, mut values) = (Vec::new(), Vec::new());
     let mass = 1.0 / row_of.len() as f32;
     let support = Support::from_rows(row_of.len(), column_of.len(), |i, out| {
@@ -63,11 +62,11 @@ fn coarse_patches(fine: &Layout, coarse: &Layout) -> Vec<usize> {
     first.iter().map(|first| coarse.patch_around(fine.frame_in(coarse, middle(first))).unwrap_or(0)).collect()
 }
 
-fn best(plan: &Plan<f32>, row: usize) -> Vec<(usize, f32)> {
+fn best(plan: &Plan<f32>, row: usize, most: usize) -> Vec<(usize, f32)> {
     let mut entries: Vec<(usize, f32)> = plan.entries(row).filter(|(_, mass)| *mass > 0.0).collect();
-    if entries.len() > BEST {
-        entries.select_nth_unstable_by(BEST - 1, |a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        entries.truncate(BEST);
+    if entries.len() > most {
+        entries.select_nth_unstable_by(most - 1, |a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        entries.truncate(most);
     }
     entries
 }

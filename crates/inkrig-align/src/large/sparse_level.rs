@@ -143,6 +143,11 @@ impl<'a> SparseLevel<'a> {
         [self.control.distances.rank(), self.source.distances.rank()]
     }
 
+    /// Best sources of a coarse row to begin with: fewer where the support stays what they make of it.
+    pub(crate) fn taken_over(&self) -> usize {
+        if self.is_searched() { 48 } else { 16 }
+    }
+
     fn is_searched(&self) -> bool {
         self.control.layout.patches().saturating_mul(self.source.layout.patches()) <= MOST_SEARCHED
     }
