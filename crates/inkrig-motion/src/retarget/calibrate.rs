@@ -20,15 +20,15 @@ pub(super) struct Calibration {
     /// Height of the ground under the source and under the target at rest, metres.
     pub(super) source_ground: f32,
     pub(super) target_ground: f32,
-    /// Place of the target's hips over the middle of its hip joints, in the hips' axes; and the source's in its reference pose.
-    pub(super) hips_over_legs: (Vec3, Vec3),
+    /// Place of the target's hips over the middle of its hip joints, in the hips' axes.
+    pub(super) hips_over_legs: Vec3,
     /// Length of a leg of the source, metres.
     pub(super) leg: f32,
 }
 
 pub(super) fn calibrate(
     reference: &Reference,
-    target: &Skeleton,
+    (target, onto): (&Skeleton, &Humanoid),
     plan: &Plan,
     options: &RetargetOptions,
 ) -> Result<Calibration, RetargetError> {
@@ -36,8 +36,7 @@ pub(super) fn calibrate(
     if rest.positions.len() != target.len() || rest.rotations.len() != target.len() {
         return Err(RetargetError::Stance { expected: target.len(), got: rest.positions.len() });
     }
-    let onto = Humanoid::find(target).map_err(RetargetError::Target)?;
-    let own_hips = hip_height(&rest, &onto);
+    let own_hips = hip_height(&rest, onto);
     let scale = match options.scale {
         Some(scale) if scale.is_finite() && scale > 0.0 => scale,
         _ if reference.hips <= 1e-4 => return Err(RetargetError::NoLegs("motion")),
@@ -46,7 +45,7 @@ pub(super) fn calibrate(
     };
     let from = |joint: usize| reference.pose.positions[joint].as_dvec3();
     let to = |joint: usize| rest.positions[joint].as_dvec3();
-    let turn = facing(&reference.pose, &reference.body) * facing(&rest, &onto).conjugate();
+    let turn = facing(&reference.pose, &reference.body) * facing(&rest, onto).conjugate();
     let mut turned: Vec<Option<DQuat>> = vec![None; target.len()];
     let mut rotations = Vec::with_capacity(plan.links.len());
     for link in &plan.links {
@@ -74,9 +73,7 @@ pub(super) fn calibrate(
         turned[link.target] = Some(rotation);
         rotations.push(rotation.as_quat() * rest.rotations[link.target]);
     }
-    let legs = |pose: &Pose, body: &Humanoid| {
-        0.5 * (pose.positions[body.legs[0].upper] + pose.positions[body.legs[1].upper])
-    };
+    let legs = 0.5 * (rest.positions[onto.legs[0].upper] + rest.positions[onto.legs[1].upper]);
     let source_leg = reference.body.legs[0];
     let at = |joint: usize| reference.pose.positions[joint];
     let shin = source_leg.foot.map_or(0.0, |foot| at(foot).distance(at(source_leg.lower)));
@@ -85,11 +82,8 @@ pub(super) fn calibrate(
         source: reference.pose.rotations.clone(),
         scale,
         source_ground: reference.ground,
-        target_ground: sole(&rest, &onto),
-        hips_over_legs: (
-            rest.rotations[onto.hips].conjugate() * (rest.positions[onto.hips] - legs(&rest, &onto)),
-            reference.pose.positions[reference.body.hips] - legs(&reference.pose, &reference.body),
-        ),
+        target_ground: sole(&rest, onto),
+        hips_over_legs: rest.rotations[onto.hips].conjugate() * (rest.positions[onto.hips] - legs),
         leg: at(source_leg.lower).distance(at(source_leg.upper)) + shin,
     })
 }

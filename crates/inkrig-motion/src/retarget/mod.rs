@@ -99,8 +99,8 @@ pub fn retarget(
     let onto = Humanoid::find(target).map_err(RetargetError::Target)?;
     let plan = Plan::new(&from, &onto);
     let reference = reference::find(source, &from);
-    let calibration = calibrate::calibrate(&reference, target, &plan, options)?;
-    let mut moved = transfer::transfer(source, target, &plan, &calibration);
+    let calibration = calibrate::calibrate(&reference, (target, &onto), &plan, options)?;
+    let mut moved = transfer::transfer((source, &from), (target, &onto), &plan, &calibration);
     let contacts = feet::contacts(source, &from, calibration.source_ground, calibration.leg);
     if options.keep_feet {
         feet::keep(&mut moved, target, &onto, &contacts, source.frame_rate());

@@ -18,15 +18,17 @@ pub(super) struct Moved {
     pub(super) hips_joint: usize,
 }
 
-pub(super) fn transfer(source: &Clip, target: &Skeleton, plan: &Plan, calibration: &Calibration) -> Moved {
-    let from = Humanoid::find(source.skeleton()).ok();
-    let hips_joint = plan.links.iter().find(|link| matches!(link.aim, super::plan::Aim::Hub(_)));
-    let (hips_joint, source_hips) = hips_joint.map_or((0, 0), |link| (link.target, link.lead.low));
+pub(super) fn transfer(
+    (source, from): (&Clip, &Humanoid),
+    (target, onto): (&Skeleton, &Humanoid),
+    plan: &Plan,
+    calibration: &Calibration,
+) -> Moved {
     let mut pose = Pose::new(source.skeleton());
     let mut moved = Moved {
         turns: Vec::with_capacity(source.frames()),
         hips: Vec::with_capacity(source.frames()),
-        hips_joint,
+        hips_joint: onto.hips,
     };
     for frame in 0..source.frames() {
         pose.set(source, frame);
@@ -44,13 +46,10 @@ pub(super) fn transfer(source: &Clip, target: &Skeleton, plan: &Plan, calibratio
             world.push(own.unwrap_or(parent));
         }
         // The middle of the legs is what is scaled: hips joints stand elsewhere in other skeletons.
-        let (own, other) = calibration.hips_over_legs;
-        let legs = match &from {
-            Some(body) => 0.5 * (pose.positions[body.legs[0].upper] + pose.positions[body.legs[1].upper]),
-            None => pose.positions[source_hips] - turned(source_hips) * other,
-        };
+        let legs = 0.5 * (pose.positions[from.legs[0].upper] + pose.positions[from.legs[1].upper]);
         let above = Vec3::new(legs.x, legs.y - calibration.source_ground, legs.z) * calibration.scale;
-        let hips = above + Vec3::Y * calibration.target_ground + world[hips_joint] * own;
+        let hips =
+            above + Vec3::Y * calibration.target_ground + world[onto.hips] * calibration.hips_over_legs;
         moved.turns.push(world);
         moved.hips.push(hips);
     }
