@@ -115,7 +115,14 @@ fn check(file: &[u8]) -> bool {
             let options = ExportOptions { metres_per_unit: 1.0, ..ExportOptions::like(&import.source) };
             let number = import.clips.len() + 1;
             for (options, number) in [(options, number), (ExportOptions::default(), 1)] {
-                let written = write_glb(&import.clip, &options).unwrap();
+                let written = match write_glb(&import.clip, &options) {
+                    Ok(written) => written,
+                    // Scales near 0 ask for places that no file can hold; anything else must be written.
+                    Err(error) => {
+                        assert!(error.to_string().contains("numbers go up to 1e12"), "{error}");
+                        continue;
+                    }
+                };
                 let clip = Some(ClipChoice::Number(number));
                 let again = ImportOptions { clip, ..Default::default() };
                 let again = read_gltf(&written.bytes, &again, &no_files).unwrap();

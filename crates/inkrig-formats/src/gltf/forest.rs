@@ -1,7 +1,7 @@
 //! How the nodes of a document hang together, and where they rest.
 
 use super::{damaged, document::Document};
-use crate::{FormatError, finding::shown};
+use crate::{FormatError, finding::shown, lexer::LARGEST_NUMBER};
 use inkrig_motion::glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
 /// The nodes as a forest.
@@ -104,7 +104,7 @@ fn rest(document: &Document, index: usize) -> Result<Transform, FormatError> {
     };
     let Some(node) = document.nodes.0.get(index) else { return Err(bad("it does not exist")) };
     // f32 is what other programs read; far beyond it nothing can be reckoned with.
-    let usable = |values: &[f64]| values.iter().all(|value| value.abs() <= 1e12);
+    let usable = |values: &[f64]| values.iter().all(|value| value.abs() <= LARGEST_NUMBER);
     if let Some(matrix) = &node.matrix {
         let affine = DAffine3::from_mat4(DMat4::from_cols_array(matrix));
         if !usable(matrix.as_slice()) {

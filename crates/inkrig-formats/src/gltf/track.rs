@@ -6,7 +6,7 @@ use super::{
     damaged,
     document::{Document, Interpolation, Path, Sampler, Shape},
 };
-use crate::FormatError;
+use crate::{FormatError, lexer::LARGEST_NUMBER};
 use inkrig_motion::glam::{DQuat, DVec3};
 
 /// One channel: keys of one property of one node.
@@ -140,7 +140,7 @@ impl<'a> Track<'a> {
         }
         for element in 0..wanted {
             let value: [f64; 4] = self.values.get(element);
-            if !value.iter().all(|number| number.abs() <= 1e12) {
+            if !value.iter().all(|number| number.abs() <= LARGEST_NUMBER) {
                 let what = format!("element {element} has a number that is none or too large");
                 return Err(damaged("gltf-values", values, what, hint));
             }

@@ -1,6 +1,7 @@
 //! A clip as channels of nodes.
 
 use super::parts::Parts;
+use crate::{FormatError, lexer::LARGEST_NUMBER};
 use inkrig_motion::glam::{Quat, Vec3};
 use serde_json::{Value, json};
 
@@ -18,7 +19,15 @@ pub(super) struct NodeMotion {
 
 /// The animation; its numbers go to `parts`. What does not change gets a key at each end, but the first node always
 /// has all keys, so that the frames can be counted.
-pub(super) fn animation(name: &str, frame_rate: f64, nodes: &[NodeMotion], parts: &mut Parts) -> Value {
+///
+/// # Errors
+/// When a node would stand further off than any reader takes for a place.
+pub(super) fn animation(
+    name: &str,
+    frame_rate: f64,
+    nodes: &[NodeMotion],
+    parts: &mut Parts,
+) -> Result<Value, FormatError> {
     let frames = nodes.first().map_or(0, |node| node.rotations.len());
     let times: Vec<f32> = (0..frames).map(|frame| (frame as f64 / frame_rate) as f32).collect();
     let all = parts.times(&times);
@@ -37,6 +46,7 @@ pub(super) fn animation(name: &str, frame_rate: f64, nodes: &[NodeMotion], parts
         };
         out.add(motion.node, "rotation", input, output);
         if let Some(places) = &motion.translations {
+            check_places(motion.node, places)?;
             let (input, output) = if frames > 2 && unchanging(places) {
                 (ends(parts), parts.vectors(&both_ends(places), None))
             } else {
@@ -45,7 +55,19 @@ pub(super) fn animation(name: &str, frame_rate: f64, nodes: &[NodeMotion], parts
             out.add(motion.node, "translation", input, output);
         }
     }
-    json!({ "name": name, "channels": out.channels, "samplers": out.samplers })
+    Ok(json!({ "name": name, "channels": out.channels, "samplers": out.samplers }))
+}
+
+/// Refuses places that could not be read again.
+pub(super) fn check_places(node: usize, places: &[Vec3]) -> Result<(), FormatError> {
+    let furthest = places.iter().map(|place| f64::from(place.abs().max_element())).fold(0.0, f64::max);
+    if furthest <= LARGEST_NUMBER {
+        return Ok(());
+    }
+    Err(FormatError::Write {
+        what: format!("node {node} would stand {furthest:e} away from its parent, and numbers go up to 1e12"),
+        hint: "the scales of the figure are far from 1; apply them in a 3D program first".into(),
+    })
 }
 
 #[derive(Default)]

@@ -54,7 +54,7 @@ pub(super) fn insert(
     free_matrices(&mut top, &figure, &forest, &mut findings)?;
     let mut parts = parts_after(&document, &container);
     let (name, replaced) = name_and_place(&document, options);
-    let animation = animation(&name, clip.frame_rate(), &motion, &mut parts);
+    let animation = animation(&name, clip.frame_rate(), &motion, &mut parts)?;
     match replaced {
         None => top.extend_list("animations", &[animation])?,
         Some(index) => {

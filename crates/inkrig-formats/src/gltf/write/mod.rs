@@ -11,7 +11,7 @@ pub use vrma::write_vrma;
 
 use super::container;
 use crate::{ExportOptions, FormatError, Written};
-use animation::{NodeMotion, animation};
+use animation::{NodeMotion, animation, check_places};
 use inkrig_motion::{Clip, glam::Vec3};
 use parts::Parts;
 use serde_json::{Map, Value, json};
@@ -25,13 +25,13 @@ const CLIP_NAME: &str = "motion";
 /// they are; the clip must be of its skeleton. Without, the file holds the skeleton, the clip, and a body of capsules.
 ///
 /// # Errors
-/// [`FormatError::Write`] when the clip has another skeleton than the original, or the file would be larger than a GLB may
-/// be; what the reader says of the original.
+/// [`FormatError::Write`] when the clip has another skeleton than the original, a joint stands beyond 1e12 m, or the file
+/// would be larger than a GLB may be; what the reader says of the original.
 pub fn write_glb(clip: &Clip, options: &ExportOptions) -> Result<Written, FormatError> {
     match &options.original {
         Some(original) => insert::insert(original.bytes(), clip, options, true),
         None => {
-            let (document, bin) = bare(clip, options);
+            let (document, bin) = bare(clip, options)?;
             let bytes = container::glb(document.to_string().as_bytes(), &bin)?;
             Ok(Written { bytes, findings: Vec::new() })
         }
@@ -50,7 +50,10 @@ pub(crate) fn write_into_gltf(clip: &Clip, options: &ExportOptions) -> Result<Wr
 }
 
 /// Skeleton, body and clip.
-fn bare(clip: &Clip, options: &ExportOptions) -> (Value, Vec<u8>) {
+fn bare(clip: &Clip, options: &ExportOptions) -> Result<(Value, Vec<u8>), FormatError> {
+    for (index, joint) in clip.skeleton().joints().iter().enumerate() {
+        check_places(index, &[joint.offset])?;
+    }
     let mut parts = Parts::default();
     let skeleton = clip.skeleton();
     let mut nodes = nodes(clip);
@@ -73,7 +76,7 @@ fn bare(clip: &Clip, options: &ExportOptions) -> (Value, Vec<u8>) {
     top.push(nodes.len() - 1);
     let motion = motions(clip);
     let name = options.name.as_deref().unwrap_or(CLIP_NAME);
-    let animation = animation(name, clip.frame_rate(), &motion, &mut parts);
+    let animation = animation(name, clip.frame_rate(), &motion, &mut parts)?;
     let material = json!({
         "name": "body",
         "pbrMetallicRoughness": { "baseColorFactor": [0.42, 0.52, 0.63, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.8 },
@@ -82,7 +85,7 @@ fn bare(clip: &Clip, options: &ExportOptions) -> (Value, Vec<u8>) {
     document.insert("meshes".into(), json!([mesh]));
     document.insert("materials".into(), json!([material]));
     document.insert("skins".into(), json!([{ "inverseBindMatrices": matrices, "joints": joints }]));
-    (Value::Object(document), parts.bin)
+    Ok((Value::Object(document), parts.bin))
 }
 
 /// What every file has; the bytes of `parts` are its one buffer.

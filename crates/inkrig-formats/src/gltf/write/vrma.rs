@@ -40,7 +40,7 @@ const REQUIRED: [&str; 15] = [
 /// the hips have translations, and eyes have none: what a clip has beyond that is left out, with a finding.
 ///
 /// # Errors
-/// [`FormatError::Write`] when a bone that every VRM has is not known.
+/// [`FormatError::Write`] when a bone that every VRM has is not known, or a joint stands beyond 1e12 m.
 pub fn write_vrma(clip: &Clip, options: &ExportOptions) -> Result<Written, FormatError> {
     let bones = bones(clip, options)?;
     let rest = TPose::of(clip, &bones);
@@ -50,7 +50,7 @@ pub fn write_vrma(clip: &Clip, options: &ExportOptions) -> Result<Written, Forma
         clip.frame_rate(),
         &motions(clip, &bones),
         &mut parts,
-    );
+    )?;
     let named = |(node, bone): (usize, &Bone)| (bone.name.to_string(), json!({ "node": node }));
     let human_bones: Map<String, Value> = bones.iter().enumerate().map(named).collect();
     let mut document = document(&rest.nodes(clip, &bones), &[0], &animation, &parts);
