@@ -1,0 +1,47 @@
+//! Why a model could not be read or used.
+
+/// What stood in the way, and what to do about it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GenerateError {
+    /// A tensor's numbers do not fill its shape.
+    #[error("the tensor {name} has {got} numbers, but its shape {shape:?} needs {expected}")]
+    TensorLength {
+        /// Its name.
+        name: String,
+        /// Its shape.
+        shape: Vec<usize>,
+        /// The product of the shape.
+        expected: usize,
+        /// How many numbers there are.
+        got: usize,
+    },
+    /// A tensor that a network needs is not there.
+    #[error("the model has no tensor {name}: it is not a model for this configuration")]
+    MissingTensor {
+        /// The name that was looked for.
+        name: String,
+    },
+    /// A tensor has a shape that the network cannot use.
+    #[error(
+        "the tensor {name} is {got:?}, but this configuration needs {expected:?}: choose the configuration that the model was made with"
+    )]
+    TensorShape {
+        /// Its name.
+        name: String,
+        /// What the configuration says.
+        expected: Vec<usize>,
+        /// What the model has.
+        got: Vec<usize>,
+    },
+    /// A setting that makes no sense.
+    #[error("{setting} is {value}, but must be {needed}")]
+    Setting {
+        /// What was set.
+        setting: &'static str,
+        /// What to.
+        value: String,
+        /// What is possible.
+        needed: &'static str,
+    },
+}

@@ -1,0 +1,10 @@
+//! The second engine: motion made of a word, a key pose and trajectories, by a latent diffusion model.
+//!
+//! The method is Sketch2Anim (SIGGRAPH 2025). Its networks see motions in the HumanML3D form
+//! ([`inkrig_motion::humanml`]). Everything here is plain data in, plain data out; files are read elsewhere.
+
+mod error;
+pub mod schedule;
+pub mod weights;
+
+pub use error::GenerateError;

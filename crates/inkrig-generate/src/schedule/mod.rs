@@ -1,0 +1,11 @@
+//! How much noise there is at which step, and the steps that take it away.
+
+mod betas;
+mod ddim;
+mod lcm;
+mod noise;
+
+pub use betas::{NoiseSchedule, STEPS};
+pub use ddim::Ddim;
+pub use lcm::Lcm;
+pub use noise::Noise;

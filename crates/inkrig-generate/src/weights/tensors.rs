@@ -1,0 +1,137 @@
+//! Tensors by name.
+
+use crate::GenerateError;
+use std::collections::BTreeMap;
+
+/// Numbers and their shape, row-major: the last axis is the quickest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tensor {
+    shape: Vec<usize>,
+    data: Vec<f32>,
+}
+
+impl Tensor {
+    /// Checks that the numbers fill the shape. A shape without axes holds one number.
+    ///
+    /// # Errors
+    /// [`GenerateError::TensorLength`] with an empty name when they do not.
+    pub fn new(shape: Vec<usize>, data: Vec<f32>) -> Result<Self, GenerateError> {
+        let expected = shape.iter().try_fold(1_usize, |product, &axis| product.checked_mul(axis));
+        if expected == Some(data.len()) {
+            return Ok(Self { shape, data });
+        }
+        let (expected, got) = (expected.unwrap_or(usize::MAX), data.len());
+        Err(GenerateError::TensorLength { name: String::new(), shape, expected, got })
+    }
+
+    /// How long its axes are.
+    pub fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+
+    /// Its numbers.
+    pub fn data(&self) -> &[f32] {
+        &self.data
+    }
+
+    /// Its numbers, kept.
+    pub fn into_data(self) -> Vec<f32> {
+        self.data
+    }
+}
+
+/// The weights of one or more networks. Names are those of the published state dictionary
+/// (`vae.encoder.middle_block.norm1.weight`), and so are the layouts: a linear layer's weight is outputs x inputs.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Tensors {
+    by_name: BTreeMap<String, Tensor>,
+}
+
+impl Tensors {
+    /// None.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds one; gives back what had that name before.
+    pub fn insert(&mut self, name: impl Into<String>, tensor: Tensor) -> Option<Tensor> {
+        self.by_name.insert(name.into(), tensor)
+    }
+
+    /// One by its name.
+    pub fn get(&self, name: &str) -> Option<&Tensor> {
+        self.by_name.get(name)
+    }
+
+    /// The numbers of one that has this shape.
+    ///
+    /// # Errors
+    /// [`GenerateError::MissingTensor`] or [`GenerateError::TensorShape`].
+    pub fn expect(&self, name: &str, shape: &[usize]) -> Result<&[f32], GenerateError> {
+        let missing = || GenerateError::MissingTensor { name: name.into() };
+        let tensor = self.get(name).ok_or_else(missing)?;
+        if tensor.shape() == shape {
+            return Ok(tensor.data());
+        }
+        let (expected, got) = (shape.to_vec(), tensor.shape().to_vec());
+        Err(GenerateError::TensorShape { name: name.into(), expected, got })
+    }
+
+    /// All, sorted by name.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &Tensor)> {
+        self.by_name.iter().map(|(name, tensor)| (name.as_str(), tensor))
+    }
+
+    /// How many tensors there are.
+    pub fn len(&self) -> usize {
+        self.by_name.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.by_name.is_empty()
+    }
+
+    /// How many numbers there are in all.
+    pub fn numbers(&self) -> usize {
+        self.by_name.values().map(|tensor| tensor.data.len()).sum()
+    }
+}
+
+impl FromIterator<(String, Tensor)> for Tensors {
+    fn from_iter<I: IntoIterator<Item = (String, Tensor)>>(tensors: I) -> Self {
+        Self { by_name: tensors.into_iter().collect() }
+    }
+}
+
+impl Extend<(String, Tensor)> for Tensors {
+    fn extend<I: IntoIterator<Item = (String, Tensor)>>(&mut self, tensors: I) {
+        self.by_name.extend(tensors);
+    }
+}
+
+impl IntoIterator for Tensors {
+    type Item = (String, Tensor);
+    type IntoIter = std::collections::btree_map::IntoIter<String, Tensor>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.by_name.into_iter()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tensor_is_full_and_found_by_name_and_shape() {
+        assert!(Tensor::new(vec![2, 3], vec![0.0; 5]).is_err());
+        assert!(Tensor::new(vec![usize::MAX, 3], vec![0.0; 5]).is_err());
+        let mut tensors = Tensors::new();
+        tensors.insert("a.weight", Tensor::new(vec![2, 3], vec![1.0; 6]).unwrap());
+        assert_eq!(tensors.expect("a.weight", &[2, 3]).unwrap(), [1.0; 6]);
+        let error = tensors.expect("a.weight", &[3, 2]).unwrap_err().to_string();
+        assert!(error.contains("a.weight") && error.contains("[3, 2]"), "{error}");
+        assert!(tensors.expect("b", &[1]).is_err());
+    }
+}
