@@ -34,7 +34,7 @@ impl Tools {
         let (Some(node), Some(npm), Some(chromium)) = (node(), npm(), chromium()) else {
             return Ok(Err(format!("not installed: {}", missing_packages().join(", "))));
         };
-        let modules = install_modules(context, &npm)?;
+        let modules = install_modules(context, &npm, "browser")?;
         Ok(Ok(Self { node, chromium, modules }))
     }
 }
@@ -55,11 +55,11 @@ pub(crate) fn check(context: &Context) -> Result<Verdict> {
     Ok(Verdict::Passed)
 }
 
-fn node() -> Option<PathBuf> {
+pub(crate) fn node() -> Option<PathBuf> {
     find_program(&["node", "nodejs"])
 }
 
-fn npm() -> Option<PathBuf> {
+pub(crate) fn npm() -> Option<PathBuf> {
     find_program(&["npm"])
 }
 
@@ -72,12 +72,15 @@ fn chromium() -> Option<PathBuf> {
     find_program(&on_path).or_else(|| mac.is_file().then_some(mac))
 }
 
-/// Installs what the lock file pins, unless the cache folder holds that already.
-fn install_modules(context: &Context, npm: &Path) -> Result<PathBuf> {
-    let source = context.root.join("xtask/browser");
-    let modules = context.cache.join("browser");
-    let lock =
-        fs::read(source.join("package-lock.json")).context("cannot read xtask/browser/package-lock.json")?;
+/// Installs what the lock file of a folder of `xtask` pins, unless the cache folder holds that already.
+///
+/// # Errors
+/// When `npm ci` fails.
+pub(crate) fn install_modules(context: &Context, npm: &Path, folder: &str) -> Result<PathBuf> {
+    let source = context.root.join("xtask").join(folder);
+    let modules = context.cache.join(folder);
+    let lock = fs::read(source.join("package-lock.json"))
+        .with_context(|| format!("cannot read xtask/{folder}/package-lock.json"))?;
     // Written last, so a broken install is not taken for a whole one.
     let done = modules.join("installed.json");
     if fs::read(&done).is_ok_and(|installed| installed == lock) {

@@ -10,6 +10,7 @@ mod counts;
 mod demo;
 mod fuzz;
 mod glb;
+mod interop;
 mod process;
 mod readme;
 mod samples;
@@ -32,6 +33,7 @@ Examples:
   cargo xtask check                   only formatting, clippy and licences
   cargo xtask samples                 make the files in samples/ again
   cargo xtask fuzz --seconds 60       each fuzz test for a minute
+  cargo xtask interop                 Blender, usd-core and three.js read our files (fetches 400 MB, once)
   cargo xtask bench -- dense          the benchmarks with `dense` in their name
 
 Environment:
@@ -83,6 +85,12 @@ enum Command {
         /// Only tests with this in their name
         filter: Option<String>,
     },
+    /// Have Blender, usd-core and three.js read our files and compare where the joints are
+    Interop {
+        /// Only this one: blender, usd-core, three
+        #[arg(long)]
+        importer: Option<String>,
+    },
     /// Run the benchmarks
     Bench {
         /// Filter and options for criterion
@@ -110,6 +118,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Setup { system } => setup::run(&context, system)?,
         Command::Samples => samples::make(&context)?,
         Command::Fuzz { seconds, filter } => fuzz::run(&context, seconds, filter.as_deref())?,
+        Command::Interop { importer } => interop::run(&context, importer.as_deref())?,
         Command::Bench { arguments } => bench::run(&context, &arguments)?,
     }
     Ok(ExitCode::SUCCESS)
