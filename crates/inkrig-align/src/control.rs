@@ -83,11 +83,14 @@ pub struct SoundOptions {
     /// The default is 90 ms. Music that is dense with notes changes within a tenth of a second, and a clip has no
     /// movements as quick. Over three loops and 21 dances the structure was .86 with it and .57 without.
     pub smooth: f64,
+    /// How often it is played, one time after the other; at least 1. A bar of two seconds has so few moments that share
+    /// no frame that chance decides what becomes of it; played three times it is followed as well as longer music.
+    pub times: usize,
 }
 
 impl Default for SoundOptions {
     fn default() -> Self {
-        Self { rate: 30.0, smooth: 2.7 }
+        Self { rate: 30.0, smooth: 2.7, times: 1 }
     }
 }
 
@@ -98,6 +101,21 @@ impl Control {
     /// Its length at another rate, in samples, at least 1.
     pub fn frames(&self, rate: f64) -> usize {
         (self.features.frames() as f64 * rate / self.rate).round().max(1.0) as usize
+    }
+
+    /// The same control `times` times over, for a short one that is meant to go on: a loop, a figure that is drawn
+    /// once. A sound is better repeated before it is analysed: [`SoundOptions::times`].
+    ///
+    /// # Errors
+    /// When it becomes too long, or `times` is 0.
+    pub fn repeated(&self, times: usize) -> Result<Self, AlignError> {
+        checked(self.features.frames().saturating_mul(times))?;
+        let features = Features::new(self.features.as_slice().repeat(times), self.features.width())?;
+        let heard = match &self.heard {
+            Some(heard) => Some(heard.repeated(times)?),
+            None => None,
+        };
+        Ok(Self { features, heard, ..self.clone() })
     }
 
     /// The row of a value of the control's own domain.
@@ -212,7 +230,7 @@ impl Control {
         if sound.is_silent() {
             return Err(AlignError::Silence);
         }
-        checked_sound(sound, rate)?;
+        checked_sound(sound, 1, rate)?;
         let curve = |kind| Ok::<_, AlignError>(waveform(sound, rate, kind)?.values);
         let most = |values: &[f32]| values.iter().fold(0.0_f32, |most, value| most.max(value.abs()));
         let (means, peaks) = (curve(WaveformKind::Mean)?, curve(WaveformKind::Peak)?);
@@ -245,7 +263,14 @@ impl Control {
         if sound.is_silent() {
             return Err(AlignError::Silence);
         }
-        checked_sound(sound, options.rate)?;
+        checked_sound(sound, options.times, options.rate)?;
+        let played;
+        let sound = if options.times == 1 {
+            sound
+        } else {
+            played = Sound::new(sound.samples().repeat(options.times), sound.rate())?;
+            &played
+        };
         let spectrogram = MelSpectrogram::new(sound)?;
         let mfcc = spectrogram.mfcc(&MfccOptions { coefficients: COEFFICIENTS, ..MfccOptions::default() })?;
         let heard = Heard {
@@ -293,14 +318,40 @@ fn checked(samples: usize) -> Result<usize, AlignError> {
     Ok(samples)
 }
 
-fn checked_sound(sound: &Sound, rate: f64) -> Result<(), AlignError> {
-    let (seconds, most) = (sound.seconds(), MOST_FRAMES as f64 / rate);
+fn checked_sound(sound: &Sound, times: usize, rate: f64) -> Result<(), AlignError> {
+    if times == 0 {
+        return Err(AlignError::Option {
+            name: "how often the sound is played",
+            value: 0.0,
+            range: "1 or more",
+        });
+    }
+    let (seconds, most) = (sound.seconds() * times as f64, MOST_FRAMES as f64 / rate);
     if seconds > most { Err(AlignError::LongSound { seconds, most }) } else { Ok(()) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_control_goes_on_as_often_as_asked() {
+        let wave = Control::from_wave(&"sine(1Hz)".parse().unwrap(), Some(30), 30.0).unwrap();
+        let thrice = wave.repeated(3).unwrap();
+        assert_eq!(thrice.features.frames(), 90);
+        assert_eq!(thrice.features.row(65), wave.features.row(5));
+        assert!(wave.repeated(0).is_err(), "nothing to follow");
+        assert!(matches!(wave.repeated(usize::MAX), Err(AlignError::TooLong { .. })));
+
+        let sound = Sound::new((0..8000).map(|i| (i as f32 * 0.2).sin()).collect(), 8000).unwrap();
+        let played = |times| Control::from_sound(&sound, &SoundOptions { times, ..Default::default() });
+        let (once, twice) = (played(1).unwrap(), played(2).unwrap());
+        assert_eq!(twice.features.frames(), 2 * once.features.frames() - 1, "frames at both ends");
+        let heard = twice.repeated(2).unwrap().heard.unwrap();
+        assert_eq!(heard.loudness.len(), 2 * twice.heard.unwrap().loudness.len());
+        assert!(matches!(played(0), Err(AlignError::Option { .. })));
+        assert!(matches!(played(1 << 20), Err(AlignError::LongSound { .. })), "refused before it is made");
+    }
 
     #[test]
     fn place_and_scale_do_not_matter() {

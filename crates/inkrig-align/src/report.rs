@@ -99,6 +99,9 @@ pub struct StageRow {
     pub seconds: f64,
 }
 
+/// Frames at the matching rate (four seconds) below which a sound is worth repeating.
+const SHORT_SOUND: usize = 120;
+
 /// Notes on a result that a person would otherwise find out by looking.
 pub(crate) fn notes(report: &Report, options: &Options) -> Vec<String> {
     let mut notes = Vec::new();
@@ -165,6 +168,13 @@ pub(crate) fn notes(report: &Report, options: &Options) -> Vec<String> {
             )),
             _ => {}
         }
+    }
+    if report.sound.is_some() && report.structure_pearson < 0.75 && report.control_frames < SHORT_SOUND {
+        notes.push(
+            "The sound is so short that few of its moments can be compared. --repeat 3 follows it three times in a row, \
+             and better."
+                .to_string(),
+        );
     }
     if report.nearest_patch > 0.4 {
         notes.push(

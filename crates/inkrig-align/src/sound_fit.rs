@@ -18,6 +18,17 @@ pub struct Heard {
     pub plain: Features,
 }
 
+impl Heard {
+    /// The same `times` times over.
+    pub(crate) fn repeated(&self, times: usize) -> Result<Self, AlignError> {
+        Ok(Self {
+            loudness: self.loudness.repeat(times),
+            onsets: self.onsets.repeat(times),
+            plain: Features::new(self.plain.as_slice().repeat(times), self.plain.width())?,
+        })
+    }
+}
+
 /// How a movement goes with a sound. MAMM brings alike to alike, not loud to quick: which way round it goes is chance, so
 /// correlations have either sign. Speed is the mean root-relative speed of the joints. A lag is how much later the
 /// movement comes, at most a quarter second either way, chosen for the largest correlation; the same choice is made for the

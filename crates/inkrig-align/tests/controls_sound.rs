@@ -3,12 +3,11 @@
 
 mod support;
 
-use inkrig_align::{AlignError, Control, ControlKind, SoundOptions};
+use inkrig_align::{AlignError, Control, ControlKind, Report, SoundOptions};
 use inkrig_sound::Sound;
 use support::{assert_gates, follow, motion, sample, sound};
 
-/// Of eight to eleven seconds. The other two of the reference are a bar of two seconds, in which hardly two patches share
-/// no frame.
+/// Of eight to eleven seconds.
 const LOOPS: [&str; 3] = ["garzul", "safari", "tabla"];
 
 const DANCES: [&str; 10] = [
@@ -48,6 +47,32 @@ fn every_loop_is_danced_to() {
     }
     println!("mean structure {:.3}, before smoothing {:.3}", structure / count, before / count);
     assert!(structure / count >= 0.82 && before / count >= 0.45);
+}
+
+#[test]
+fn a_bar_of_two_seconds_is_followed_when_it_goes_on() {
+    let (mut once, mut often, mut count) = (0.0, 0.0, 0.0);
+    for dance in ["salsa/01", "salsa/05", "indian/04"] {
+        let Some(clip) = motion(&format!("cmu-dance/{dance}.bvh"), 20.0) else { return };
+        for music in ["amen", "breakbeat"] {
+            let Some(sound) = sound(&format!("audio/loop_{music}.flac")) else { return };
+            let played = |times| {
+                let options = SoundOptions { times, ..SoundOptions::default() };
+                let name = format!("{music} {times} times on {dance}");
+                follow(&name, &clip, &Control::from_sound(&sound, &options).unwrap()).report
+            };
+            let (single, repeated) = (played(1), played(3));
+            assert_gates(&format!("{music} three times on {dance}"), ControlKind::Sound, 0.8, &repeated);
+            let hint = |report: &Report| report.notes.iter().any(|note| note.contains("--repeat"));
+            assert_eq!(hint(&single), single.structure_pearson < 0.75, "{:?}", single.notes);
+            assert!(!hint(&repeated));
+            once += single.structure_pearson;
+            often += repeated.structure_pearson;
+            count += 1.0;
+        }
+    }
+    println!("mean structure once {:.2}, three times {:.2}", once / count, often / count);
+    assert!(often / count > once / count + 0.1);
 }
 
 #[test]

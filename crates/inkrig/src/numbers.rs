@@ -36,6 +36,11 @@ pub(crate) fn solutions(text: &str) -> Result<usize, String> {
     within(text, 1..=4, "solutions")
 }
 
+/// How often a control is followed.
+pub(crate) fn times(text: &str) -> Result<usize, String> {
+    within(text, 1..=1000, "times")
+}
+
 /// Threads to work with.
 pub(crate) fn threads(text: &str) -> Result<usize, String> {
     within(text, 1..=1024, "threads")

@@ -69,9 +69,12 @@ pub struct AlignArgs {
     /// Use only a part of the clip (of every clip): frames of the file or seconds
     #[arg(long, value_name = "FROM..TO")]
     pub range: Option<Span>,
-    /// Length of the result: frames of 30 a second, or seconds, at most an hour; else the curve's own
+    /// Length of the result (of each time with --repeat): frames of 30 a second, or seconds, at most an hour; else the curve's own
     #[arg(long, value_name = "300|10s", value_parser = numbers::length, allow_negative_numbers = true)]
     pub length: Option<Length>,
+    /// Follow it so many times, one after the other: for a bar of music, or a figure that is drawn once
+    #[arg(long, value_name = "TIMES", default_value_t = 1, value_parser = numbers::times, allow_negative_numbers = true)]
+    pub repeat: usize,
     /// Ignore the speed of drawing: move along the curve evenly
     #[arg(long)]
     pub uniform: bool,

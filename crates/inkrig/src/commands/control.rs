@@ -24,13 +24,16 @@ pub(super) fn control(
     } else if let Some(text) = &asked.labels {
         labels(text, samples, rate)?
     } else if let Some(path) = &asked.sound {
-        stretched(sound(path, args, rate)?, samples, rate)
+        return sound(path, args, rate, samples);
     } else if let Some(path) = &asked.like {
         stretched(Control::from_motion(&motion(path)?, rate, &options.features)?, samples, rate)
     } else {
         // Clap asks for one of them.
         return Err(AlignError::StillControl.into());
     };
+    if args.repeat > 1 {
+        control = control.repeated(args.repeat)?;
+    }
     control.cyclic = args.cyclic;
     Ok(control)
 }
@@ -43,9 +46,13 @@ fn stretched(mut control: Control, samples: Option<usize>, rate: f64) -> Control
     control
 }
 
-fn sound(path: &Path, args: &AlignArgs, rate: f64) -> Result<Control, CliError> {
+/// A sound is repeated before it is analysed, so that nothing is heard where one time ends and the next begins.
+fn sound(path: &Path, args: &AlignArgs, rate: f64, samples: Option<usize>) -> Result<Control, CliError> {
     let smooth = args.smooth.unwrap_or(SoundOptions::default().smooth);
-    Ok(Control::from_sound(&load::sound(path)?, &SoundOptions { rate, smooth })?)
+    let options = SoundOptions { rate, smooth, times: args.repeat };
+    let played = Control::from_sound(&load::sound(path)?, &options)?;
+    let samples = samples.map(|samples| samples.saturating_mul(args.repeat));
+    Ok(Control { cyclic: args.cyclic, ..stretched(played, samples, rate) })
 }
 
 /// A drawing; a CSV of other columns than x and y is a curve of as many dimensions.

@@ -28,7 +28,7 @@ fn waves_labels_and_other_motions_are_followed() {
     std::fs::write(folder.join("snake.bvh"), inkrig::samples::find("snake").unwrap().bytes).unwrap();
     std::fs::write(folder.join("tune.wav"), tune()).unwrap();
     std::fs::write(folder.join("swell.wav"), swell()).unwrap();
-    let cases: [(&[&str], usize); 9] = [
+    let cases: [(&[&str], usize); 12] = [
         (&["--sound", "tune.wav"], 121),
         (&["--sound", "tune.wav", "--smooth", "0", "--norm", "source=quantile"], 121),
         (&["--wave", "swell.wav"], 120),
@@ -38,6 +38,9 @@ fn waves_labels_and_other_motions_are_followed() {
         (&["--labels", "A:1s B:1s", "--length", "4s"], 120),
         (&["--like", "snake.bvh", "--length", "5s"], 150),
         (&["--curve", "circles.csv", "--loop"], 120),
+        (&["--sound", "tune.wav", "--repeat", "2"], 240),
+        (&["--sound", "tune.wav", "--repeat", "2", "--length", "3s"], 180),
+        (&["--wave", "triangle(1Hz) for 2s", "--repeat", "3", "--preview", "repeated.html"], 180),
     ];
     for (arguments, frames) in cases {
         let report = report(&folder, arguments);
