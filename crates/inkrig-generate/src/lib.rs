@@ -5,6 +5,7 @@
 
 mod error;
 pub mod schedule;
+pub mod text;
 pub mod weights;
 
 pub use error::GenerateError;
