@@ -34,6 +34,28 @@ pub enum GenerateError {
         /// What the model has.
         got: Vec<usize>,
     },
+    /// A table that has another length than it needs.
+    #[error("the {what} has {got} numbers, but needs {expected}")]
+    Length {
+        /// What it is.
+        what: &'static str,
+        /// Numbers that are needed.
+        expected: usize,
+        /// Numbers that were given.
+        got: usize,
+    },
+    /// A table without rows, with too many, or with a broken one.
+    #[error("the {what}: {numbers} numbers are not 1 to {most} rows of {width}")]
+    Rows {
+        /// What it is.
+        what: &'static str,
+        /// Numbers that were given.
+        numbers: usize,
+        /// Numbers of a row.
+        width: usize,
+        /// Rows that are possible.
+        most: usize,
+    },
     /// A setting that makes no sense.
     #[error("{setting} is {value}, but must be {needed}")]
     Setting {

@@ -4,6 +4,8 @@
 //! ([`inkrig_motion::humanml`]). Everything here is plain data in, plain data out; files are read elsewhere.
 
 mod error;
+pub mod networks;
+mod numeric;
 pub mod schedule;
 pub mod text;
 pub mod weights;

@@ -9,3 +9,4 @@ pub use betas::{NoiseSchedule, STEPS};
 pub use ddim::Ddim;
 pub use lcm::Lcm;
 pub use noise::Noise;
+pub(crate) use noise::mix;

@@ -24,6 +24,12 @@ impl Tensor {
         Err(GenerateError::TensorLength { name: String::new(), shape, expected, got })
     }
 
+    /// For numbers that were counted by the shape.
+    pub(super) fn filled(shape: &[usize], data: Vec<f32>) -> Self {
+        debug_assert_eq!(shape.iter().product::<usize>(), data.len());
+        Self { shape: shape.to_vec(), data }
+    }
+
     /// How long its axes are.
     pub fn shape(&self) -> &[usize] {
         &self.shape

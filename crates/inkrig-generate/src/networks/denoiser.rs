@@ -1,0 +1,307 @@
+//! Networks that see a noisy latent, a timestep and a text: the denoiser, the trajectory ControlNet, the keypose adapter.
+//!
+//! Their sequence is short: the latent's tokens, one for time, one for text. The published latent is one token.
+
+use super::Sizes;
+use super::block::Layout;
+use super::embedding::TimeEmbedding;
+use super::linear::Linear;
+use super::stack::{Ending, Residuals, Stack, StackTape};
+use super::tokens::{check_length, positions};
+use crate::GenerateError;
+use crate::numeric::elementwise::{add, relu};
+use crate::weights::Tensors;
+
+/// What the three networks are given. Several samples may be run at once; their numbers follow one another.
+#[derive(Debug, Clone, Copy)]
+pub struct Noisy<'a> {
+    /// Samples x latent tokens x width.
+    pub latents: &'a [f32],
+    /// One for each sample, from 0 to 999.
+    pub timesteps: &'a [usize],
+    /// Samples x text width.
+    pub texts: &'a [f32],
+    /// The waves of the guidance weight (see [`guidance_waves`](super::guidance_waves)), for distilled models.
+    pub guidance: Option<&'a [f32]>,
+}
+
+/// Corrections from one network to the next, one table for each block.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Corrections {
+    pub(crate) blocks: Residuals,
+}
+
+impl Corrections {
+    /// Samples x tokens x width for each block, in the order of the blocks.
+    pub fn blocks(&self) -> &[Vec<f32>] {
+        &self.blocks
+    }
+
+    /// Those of more samples behind these: nothing, for samples that are not controlled.
+    pub fn with_zeros(mut self, samples: usize) -> Self {
+        for block in &mut self.blocks {
+            let each = block.len() / samples.max(1);
+            block.resize(block.len() + each * samples, 0.0);
+        }
+        self
+    }
+}
+
+/// The part that all three have.
+#[derive(Debug, Clone)]
+struct Branch {
+    sizes: Sizes,
+    time: TimeEmbedding,
+    text: Linear,
+    positions: Vec<f32>,
+    stack: Stack,
+}
+
+impl Branch {
+    fn new(
+        weights: &Tensors,
+        name: &str,
+        sizes: &Sizes,
+        blocks: usize,
+        ending: Ending,
+    ) -> Result<Self, GenerateError> {
+        sizes.check()?;
+        let encoder = format!("{name}.encoder");
+        let stack = if blocks == sizes.denoiser_blocks {
+            Stack::new(weights, &encoder, sizes, blocks, false, ending)?
+        } else {
+            let blocks = (0..blocks).map(|block| format!("input_blocks.{block}"));
+            Stack::plain(weights, &encoder, sizes, blocks, ending)?
+        };
+        Ok(Self {
+            time: TimeEmbedding::new(weights, &format!("{name}.time_embedding"), sizes)?,
+            text: Linear::new(weights, &format!("{name}.emb_proj.1"), sizes.width, sizes.text_width)?,
+            positions: positions(weights, &format!("{name}.query_pos.pe"), sizes)?,
+            stack,
+            sizes: sizes.clone(),
+        })
+    }
+
+    fn samples(&self, noisy: &Noisy<'_>) -> Result<usize, GenerateError> {
+        let samples = noisy.timesteps.len();
+        let latent = self.sizes.latent_tokens * self.sizes.width;
+        for (what, numbers, width) in
+            [("latents", noisy.latents.len(), latent), ("texts", noisy.texts.len(), self.sizes.text_width)]
+        {
+            if check_length(what, numbers, width, samples)? != samples {
+                return Err(GenerateError::Length { what, expected: samples * width, got: numbers });
+            }
+        }
+        if let Some(guidance) = noisy.guidance
+            && self.sizes.guidance_width > 0
+            && guidance.len() != self.sizes.guidance_width
+        {
+            let (what, expected) = ("guidance embedding", self.sizes.guidance_width);
+            return Err(GenerateError::Length { what, expected, got: guidance.len() });
+        }
+        Ok(samples)
+    }
+
+    /// Runs the blocks; what comes out of the last is returned, what comes out of each goes into `outputs`.
+    fn run(
+        &self,
+        noisy: &Noisy<'_>,
+        corrections: Option<&Corrections>,
+        outputs: Option<&mut Residuals>,
+        tape: &mut StackTape,
+    ) -> Result<Vec<f32>, GenerateError> {
+        let samples = self.samples(noisy)?;
+        let Sizes { width, latent_tokens, text_width, .. } = self.sizes;
+        let mut texts = noisy.texts.to_vec();
+        relu(&mut texts);
+        let texts = self.text.apply(&texts);
+        debug_assert_eq!(text_width * samples, noisy.texts.len());
+        let tokens = latent_tokens + 2;
+        let mut x = Vec::with_capacity(samples * tokens * width);
+        let mut time: Option<(usize, Vec<f32>)> = None;
+        let each = noisy.latents.chunks_exact(latent_tokens * width).zip(texts.chunks_exact(width));
+        for (&timestep, (latent, text)) in noisy.timesteps.iter().zip(each) {
+            let known = time.take().filter(|(of, _)| *of == timestep);
+            let (_, token) =
+                time.insert(known.unwrap_or_else(|| (timestep, self.time.token(timestep, noisy.guidance))));
+            let first = x.len();
+            x.extend_from_slice(latent);
+            x.extend_from_slice(token);
+            x.extend_from_slice(text);
+            add(&mut x[first..], &self.positions[..tokens * width]);
+        }
+        if let Some(corrections) = corrections {
+            let what = "corrections of a block";
+            for block in &corrections.blocks {
+                if block.len() != x.len() {
+                    return Err(GenerateError::Length { what, expected: x.len(), got: block.len() });
+                }
+            }
+        }
+        let lengths = vec![tokens; samples];
+        let layout = Layout { lengths: &lengths, memory: None };
+        self.stack.forward(&mut x, layout, corrections.map(|all| &all.blocks), outputs, tape);
+        Ok(x)
+    }
+}
+
+/// The network that predicts the noise in a latent.
+#[derive(Debug, Clone)]
+pub struct Denoiser {
+    branch: Branch,
+}
+
+impl Denoiser {
+    /// Takes the weights that are named `denoiser.denoiser.*`.
+    ///
+    /// # Errors
+    /// When the sizes cannot be, or a weight is missing or of another shape.
+    pub fn new(sizes: &Sizes, weights: &Tensors) -> Result<Self, GenerateError> {
+        let branch = Branch::new(weights, "denoiser.denoiser", sizes, sizes.denoiser_blocks, Ending::Norm)?;
+        Ok(Self { branch })
+    }
+
+    /// The noise in each latent: as many numbers as there are in the latents.
+    ///
+    /// # Errors
+    /// When the numbers of latents, timesteps, texts or corrections do not fit each other.
+    pub fn noise(
+        &self,
+        noisy: &Noisy<'_>,
+        corrections: Option<&Corrections>,
+        work: &mut Work,
+    ) -> Result<Vec<f32>, GenerateError> {
+        let x = self.branch.run(noisy, corrections, None, &mut work.tape)?;
+        let (tokens, width) = (self.branch.sizes.latent_tokens, self.branch.sizes.width);
+        let samples = x.chunks_exact((tokens + 2) * width);
+        Ok(samples.flat_map(|sample| &sample[..tokens * width]).copied().collect())
+    }
+}
+
+/// Buffers of the three networks, kept from one call to the next.
+#[derive(Debug, Clone, Default)]
+pub struct Work {
+    tape: StackTape,
+}
+
+/// The trajectory ControlNet.
+#[derive(Debug, Clone)]
+pub struct ControlNet {
+    branch: Branch,
+    condition: [Linear; 3],
+    outputs: Vec<Linear>,
+}
+
+impl ControlNet {
+    /// Takes the weights that are named `controlnet.*`.
+    ///
+    /// # Errors
+    /// When the sizes cannot be, or a weight is missing or of another shape.
+    pub fn new(sizes: &Sizes, weights: &Tensors) -> Result<Self, GenerateError> {
+        let layer = |at: usize| {
+            let name = format!("controlnet.controlnet_cond_embedding.{at}");
+            Linear::new(weights, &name, sizes.width, sizes.width)
+        };
+        Ok(Self {
+            branch: Branch::new(weights, "controlnet", sizes, sizes.control_blocks, Ending::Nothing)?,
+            condition: [layer(0)?, layer(1)?, layer(2)?],
+            outputs: outputs(weights, "controlnet", sizes)?,
+        })
+    }
+
+    /// Corrections for the adapter, or, without a key pose, for the denoiser. `trajectories` are embeddings, samples x
+    /// width.
+    ///
+    /// # Errors
+    /// When the numbers of latents, timesteps, texts or trajectories do not fit each other.
+    pub fn corrections(
+        &self,
+        noisy: &Noisy<'_>,
+        trajectories: &[f32],
+        work: &mut Work,
+    ) -> Result<Corrections, GenerateError> {
+        let (width, samples) = (self.branch.sizes.width, noisy.timesteps.len());
+        let (what, expected) = ("trajectory embeddings", samples * width);
+        if trajectories.len() != expected || samples == 0 {
+            return Err(GenerateError::Length { what, expected, got: trajectories.len() });
+        }
+        let condition = self.condition.iter().fold(trajectories.to_vec(), |x, layer| layer.apply(&x));
+        let mut latents = noisy.latents.to_vec();
+        let each = latents.len() / samples;
+        for (latent, condition) in latents.chunks_exact_mut(each.max(1)).zip(condition.chunks_exact(width)) {
+            latent.chunks_exact_mut(width).for_each(|token| add(token, condition));
+        }
+        let mut blocks = Vec::new();
+        let noisy = Noisy { latents: &latents, ..*noisy };
+        self.branch.run(&noisy, None, Some(&mut blocks), &mut work.tape)?;
+        Ok(through(&self.outputs, &blocks))
+    }
+}
+
+/// The trajectory-aware keypose adapter.
+#[derive(Debug, Clone)]
+pub struct Adapter {
+    branch: Branch,
+    pose: Linear,
+    outputs: Vec<Linear>,
+}
+
+impl Adapter {
+    /// Takes the weights of the outer module `denoiser.*`.
+    ///
+    /// # Errors
+    /// When the sizes cannot be, or a weight is missing or of another shape.
+    pub fn new(sizes: &Sizes, weights: &Tensors) -> Result<Self, GenerateError> {
+        let pose = "denoiser.controlnet_cond_embedding_pose.1";
+        Ok(Self {
+            branch: Branch::new(weights, "denoiser", sizes, sizes.control_blocks, Ending::Nothing)?,
+            pose: Linear::new(weights, pose, sizes.text_width, sizes.width)?,
+            outputs: outputs(weights, "denoiser", sizes)?,
+        })
+    }
+
+    /// A text that a key pose says more about: the text vector plus the projected embedding (samples x width) of the
+    /// pose.
+    ///
+    /// # Errors
+    /// When the numbers of texts and poses do not fit each other.
+    pub fn grounded(&self, texts: &[f32], keyposes: &[f32]) -> Result<Vec<f32>, GenerateError> {
+        let Sizes { width, text_width, .. } = self.branch.sizes;
+        let (what, expected) = ("keypose embeddings", texts.len() / text_width * width);
+        if keyposes.len() != expected {
+            return Err(GenerateError::Length { what, expected, got: keyposes.len() });
+        }
+        let mut poses = keyposes.to_vec();
+        relu(&mut poses);
+        let mut grounded = self.pose.apply(&poses);
+        add(&mut grounded, texts);
+        Ok(grounded)
+    }
+
+    /// Corrections for the denoiser, from the ControlNet's. The texts of `noisy` are [`Self::grounded`] ones.
+    ///
+    /// # Errors
+    /// When the numbers of latents, timesteps, texts or corrections do not fit each other.
+    pub fn corrections(
+        &self,
+        noisy: &Noisy<'_>,
+        trajectory: Option<&Corrections>,
+        work: &mut Work,
+    ) -> Result<Corrections, GenerateError> {
+        let mut blocks = Vec::new();
+        self.branch.run(noisy, trajectory, Some(&mut blocks), &mut work.tape)?;
+        Ok(through(&self.outputs, &blocks))
+    }
+}
+
+fn outputs(weights: &Tensors, name: &str, sizes: &Sizes) -> Result<Vec<Linear>, GenerateError> {
+    let output = |at: usize| {
+        let name = format!("{name}.controlnet_down_mid_blocks.{at}");
+        Linear::new(weights, &name, sizes.width, sizes.width)
+    };
+    (0..sizes.control_blocks).map(output).collect()
+}
+
+fn through(outputs: &[Linear], blocks: &[Vec<f32>]) -> Corrections {
+    Corrections { blocks: outputs.iter().zip(blocks).map(|(output, block)| output.apply(block)).collect() }
+}
