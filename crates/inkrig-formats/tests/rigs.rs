@@ -3,9 +3,9 @@
 
 mod common;
 
-use inkrig_formats::{ImportOptions, read_amc, read_bvh};
-use inkrig_motion::rig::{Humanoid, Part, Side};
-use inkrig_motion::{Clip, humanml};
+use inkrig_formats::{ImportOptions, no_files, read_amc, read_bvh, read_deepmimic, read_gltf};
+use inkrig_motion::rig::{Body, Humanoid, NoBody, Part, Side};
+use inkrig_motion::{Clip, Joint, Skeleton, humanml};
 use std::path::PathBuf;
 
 /// Every clip of the reference folder that can be read, with its path.
@@ -79,4 +79,127 @@ fn every_person_among_the_reference_files_is_found_and_becomes_22_joints() {
         assert!(backwards < count / 25, "{backwards} of {count} face backwards");
         assert!((0.6..0.95).contains(&standing) && (0.7..1.1).contains(&height));
     }
+}
+
+/// What stands in a file of the folder `creatures`, `kaykit` or `deepmimic`.
+#[derive(Debug, PartialEq)]
+enum Kind {
+    Person,
+    FourLegs,
+    Neither,
+}
+
+#[test]
+fn animals_are_told_from_people() {
+    let kinds = [
+        ("bird-animations.glb", Kind::Neither),
+        ("cow.glb", Kind::FourLegs),
+        ("fox-animations.glb", Kind::FourLegs),
+        ("horse-animations.glb", Kind::FourLegs),
+        ("human-farmer.glb", Kind::Person),
+        ("human-model.glb", Kind::Person),
+        ("human-punk.glb", Kind::Person),
+        ("human-woman.glb", Kind::Person),
+        ("human-worker.glb", Kind::Person),
+        ("shibainu.glb", Kind::FourLegs),
+        ("snake-animations.glb", Kind::Neither),
+        ("stag.glb", Kind::FourLegs),
+        ("wolf.glb", Kind::FourLegs),
+    ];
+    let Some(files) = common::reference_files("glb") else { return };
+    let mut seen = 0;
+    for path in files {
+        let bytes = std::fs::read(&path).unwrap();
+        let Ok(import) = read_gltf(&bytes, &ImportOptions::default(), &no_files) else { continue };
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let skeleton = import.clip.skeleton();
+        let found = match Body::find(skeleton) {
+            Ok(Body::Humanoid(_)) => Kind::Person,
+            Ok(Body::Quadruped(body)) => {
+                let joint = |joint: &usize| skeleton.joints()[*joint].name.clone();
+                let names = |joints: &[usize]| joints.iter().map(joint).collect::<Vec<_>>().join(" ");
+                println!("{name}: hips {}, spine {}", joint(&body.hips), names(&body.spine));
+                println!("  neck {}, head {:?}", names(&body.neck), body.head.map(|head| joint(&head)));
+                for leg in [&body.fore[0], &body.hind[1]] {
+                    println!("  [{}] {} detached {:?}", names(&leg.girdle), names(&leg.joints), leg.detached);
+                }
+                println!(
+                    "  tail {}, ears {:?}",
+                    names(&body.tail),
+                    body.ears.as_ref().map(|ears| names(&ears[0]))
+                );
+                let ears = ["fox", "horse", "shiba", "wolf"].iter().any(|eared| name.starts_with(eared));
+                assert_eq!(body.ears.is_some(), ears, "{name}");
+                assert!(body.head.is_some() && !body.tail.is_empty() && !body.neck.is_empty(), "{name}");
+                assert_eq!(Humanoid::find(skeleton), Err(NoBody::FourLegs), "{name}");
+                Kind::FourLegs
+            }
+            Err(_) => Kind::Neither,
+        };
+        let expected = kinds.iter().find(|kind| kind.0 == name).map_or(&Kind::Person, |kind| &kind.1);
+        assert_eq!(&found, expected, "{name}");
+        seen += 1;
+    }
+    assert!(seen >= kinds.len(), "{seen}");
+    let Some(motions) = common::reference_files("txt") else { return };
+    for path in motions.iter().filter(|path| path.parent().is_some_and(|folder| folder.ends_with("motions")))
+    {
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let skeleton = path.parent().unwrap().join("..").join(if name.starts_with("dog") {
+            "dog3d.txt"
+        } else {
+            "humanoid3d.txt"
+        });
+        let skeleton = Some(std::fs::read(skeleton).unwrap());
+        let options = ImportOptions { skeleton, ..ImportOptions::default() };
+        let clip = read_deepmimic(&std::fs::read(path).unwrap(), &options).unwrap().clip;
+        let found = Body::find(clip.skeleton()).unwrap();
+        assert_eq!(matches!(found, Body::Quadruped(_)), name.starts_with("dog"), "{name}");
+    }
+}
+
+#[test]
+fn bodies_are_found_when_names_say_nothing() {
+    let Some(files) = common::reference_files("glb") else { return };
+    let mut people = 0;
+    for path in files {
+        let bytes = std::fs::read(&path).unwrap();
+        let Ok(import) = read_gltf(&bytes, &ImportOptions::default(), &no_files) else { continue };
+        let skeleton = import.clip.skeleton();
+        let Ok(named) = Body::find(skeleton) else { continue };
+        let joints = skeleton.joints().iter().enumerate();
+        let nameless = joints.map(|(index, joint)| Joint { name: format!("bone_{index}"), ..joint.clone() });
+        let nameless = Skeleton::new(nameless.collect()).unwrap();
+        let found = Body::find(&nameless);
+        let name = path.display();
+        match (&named, &found) {
+            (Body::Humanoid(named), Ok(Body::Humanoid(found))) => {
+                people += 1;
+                assert_eq!(
+                    (found.hips, &found.legs.map(|leg| (leg.upper, leg.lower, leg.foot))),
+                    (named.hips, &named.legs.map(|leg| (leg.upper, leg.lower, leg.foot))),
+                    "{name}"
+                );
+                assert_eq!((&found.spine, found.head), (&named.spine, named.head), "{name}");
+                for (found, named) in found.arms.iter().zip(&named.arms) {
+                    let (found, named) = (found.unwrap(), named.unwrap());
+                    assert_eq!(
+                        (found.upper, found.lower, found.hand),
+                        (named.upper, named.lower, named.hand),
+                        "{name}"
+                    );
+                }
+            }
+            (Body::Quadruped(named), Ok(Body::Quadruped(found))) => {
+                assert_eq!(found.hips, named.hips, "{name}");
+                for (found, named) in
+                    found.fore.iter().chain(&found.hind).zip(named.fore.iter().chain(&named.hind))
+                {
+                    assert_eq!(found.hip_knee_foot(), named.hip_knee_foot(), "{name}");
+                }
+            }
+            _ => panic!("{name}: {named:?} without names {found:?}"),
+        }
+    }
+    assert!(people > 5);
 }

@@ -12,7 +12,7 @@ mod reference;
 mod transfer;
 
 use crate::kinematics::Pose;
-use crate::rig::{Humanoid, Missing};
+use crate::rig::{Humanoid, NoBody};
 use crate::{Clip, MotionError, Skeleton};
 pub use certificate::{Broken, Certificate, CertificateLimits, LimbDirection, Spread};
 use plan::Plan;
@@ -57,10 +57,10 @@ pub struct Retargeted {
 pub enum RetargetError {
     /// The moving character is no two-legged body, or its joints have names that are not known.
     #[error("the motion's skeleton: {0}; name its joints as common programs do")]
-    Source(Missing),
+    Source(NoBody),
     /// The character that shall move is none.
     #[error("the character's skeleton: {0}; name its joints as common programs do")]
-    Target(Missing),
+    Target(NoBody),
     /// The stance is a pose of another skeleton.
     #[error("the stance has {got} joints, and the character {expected}: give a pose of the character")]
     Stance {

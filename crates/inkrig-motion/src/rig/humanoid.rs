@@ -1,7 +1,9 @@
 //! A two-legged body found in a skeleton.
 
-use super::role::{Ambiguous, Said, said};
-use super::{Part, Side};
+use super::names::Names;
+use super::tree::Tree;
+use super::trunk::Trunk;
+use super::{NoBody, Part, Side, quadruped, topology};
 use crate::Skeleton;
 
 /// The joints of a two-legged body. Numbers are indices into the skeleton.
@@ -47,40 +49,62 @@ pub struct Leg {
     pub toes: Option<usize>,
 }
 
-/// What a skeleton lacks to be a two-legged body.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("no joint was found that is the {part:?}{}", side.map_or_else(String::new, |side| format!(" ({side:?})")))]
-pub struct Missing {
-    /// The first part that was not found.
-    pub part: Part,
-    /// Its side, for parts that come in pairs.
-    pub side: Option<Side>,
-}
-
 impl Humanoid {
     /// Finds the body by the joints' names, checked against the tree: limbs hang on each other in order, and of two
-    /// joints with the same meaning the one nearer to the root counts.
+    /// joints with the same meaning the one nearer to the root counts. Where names say nothing, by its build: two pairs
+    /// of limbs that are mirror images, the lower ones legs, in a rest pose that stands upright.
     ///
     /// # Errors
-    /// When hips, a thigh or a shin is missing: the skeleton is none of a person, or its names are of another tongue.
-    pub fn find(skeleton: &Skeleton) -> Result<Self, Missing> {
+    /// When hips, a thigh or a shin is missing, or the figure stands on four legs: [`Body::find`](super::Body::find)
+    /// finds those too.
+    pub fn find(skeleton: &Skeleton) -> Result<Self, NoBody> {
         let names = Names::of(skeleton);
-        let legs = Side::BOTH.map(|side| names.leg(side));
-        let [left, right] = legs;
-        let legs = [left?, right?];
-        let hips = names.hips(legs).ok_or(Missing { part: Part::Hips, side: None })?;
-        let arms = Side::BOTH.map(|side| names.arm(side));
-        let head =
-            names.first(Part::Head, None, Some(hips)).or_else(|| names.first(Part::Neck, None, Some(hips)));
-        let neck = names.all(Part::Neck, hips).into_iter().filter(|&joint| Some(joint) != head).collect();
-        let mut spine = names.all(Part::Spine, hips);
-        // The spine is the one line that carries head or arms; a belly bone at its side is none of it.
-        let carried =
-            head.or_else(|| arms.iter().flatten().next().map(|arm| arm.clavicle.unwrap_or(arm.upper)));
-        if let Some(carried) = carried {
-            spine.retain(|&joint| names.hangs_on(carried, joint));
+        let tree = Tree::of(skeleton, &names);
+        if quadruped::standing_limbs(&tree, &names).is_some() {
+            return Err(NoBody::FourLegs);
         }
-        Ok(Self { hips, spine, neck, head, arms, legs })
+        Self::in_tree(&tree, &names)
+    }
+
+    /// The same for a skeleton that does not stand on four legs.
+    pub(super) fn in_tree(tree: &Tree, names: &Names<'_>) -> Result<Self, NoBody> {
+        let named = Self::by_names(tree, names);
+        match named {
+            Ok(body) if body.arms.iter().any(Option::is_some) => Ok(body),
+            Ok(body) => {
+                let built = topology::find(tree, names).filter(|built| built.legs == body.legs);
+                match built {
+                    Some(built) => Ok(built),
+                    // A bird has legs like ours, and lies on them.
+                    None if body.lies(tree) => {
+                        Err(NoBody::Missing { part: Part::UpperArm, side: Some(Side::Left) })
+                    }
+                    None => Ok(body),
+                }
+            }
+            Err(missing) => topology::find(tree, names).ok_or(missing),
+        }
+    }
+
+    fn by_names(tree: &Tree, names: &Names<'_>) -> Result<Self, NoBody> {
+        let [left, right] = Side::BOTH.map(|side| leg(names, side));
+        let legs = [left?, right?];
+        let hips = hips(names, legs).ok_or(NoBody::Missing { part: Part::Hips, side: None })?;
+        let arms = Side::BOTH.map(|side| arm(names, side));
+        let named_head = names.first(Part::Head, None, Some(hips));
+        let head = named_head.or_else(|| names.all(Part::Neck, hips).last().copied());
+        let trunk = Trunk::of(tree, names, hips, arms, head);
+        Ok(Self { hips, spine: trunk.spine, neck: trunk.neck, head: trunk.head, arms, legs })
+    }
+
+    /// Whether the trunk lies in the rest pose rather than stands.
+    fn lies(&self, tree: &Tree) -> bool {
+        let Some(top) = self.head.or(self.neck.last().copied()).or(self.spine.last().copied()) else {
+            return false;
+        };
+        let hips = 0.5 * (tree.rest[self.legs[0].upper] + tree.rest[self.legs[1].upper]);
+        let trunk = tree.rest[top] - hips;
+        trunk.y.abs() < 0.5 * trunk.length()
     }
 
     /// The joint of a part, where the body has it; for [`Part::Spine`] the uppermost, for [`Part::Neck`] the lowest.
@@ -104,84 +128,34 @@ impl Humanoid {
     }
 }
 
-/// What the joints' names say, and how the joints hang together.
-struct Names<'s> {
-    skeleton: &'s Skeleton,
-    said: Vec<Option<Said>>,
+fn leg(names: &Names<'_>, side: Side) -> Result<Leg, NoBody> {
+    let missing = |part| NoBody::Missing { part, side: Some(side) };
+    let find = |part, above| names.first(part, Some(side), above);
+    let upper = find(Part::UpperLeg, None).ok_or_else(|| missing(Part::UpperLeg))?;
+    let lower = find(Part::LowerLeg, Some(upper)).ok_or_else(|| missing(Part::LowerLeg))?;
+    let foot = find(Part::Foot, Some(lower));
+    // A skeleton with an ankle and a foot means the ball of the foot by the latter.
+    let ball = foot.and_then(|foot| names.all(Part::Foot, foot).into_iter().find(|&joint| joint != foot));
+    let toes = foot.and_then(|foot| find(Part::Toes, Some(foot))).or(ball);
+    Ok(Leg { upper, lower, foot, toes })
 }
 
-impl<'s> Names<'s> {
-    fn of(skeleton: &'s Skeleton) -> Self {
-        let joints = skeleton.joints();
-        let mut all: Vec<Option<Said>> =
-            joints.iter().map(|joint| if joint.end_site { None } else { said(&joint.name) }).collect();
-        let has = |part: Part| all.iter().flatten().any(|said| said.part == part && said.ambiguous.is_none());
-        let (upper_arm, upper_leg) = (has(Part::UpperArm), has(Part::UpperLeg));
-        for said in all.iter_mut().flatten() {
-            match said.ambiguous {
-                Some(Ambiguous::Shoulder) if !upper_arm => said.part = Part::UpperArm,
-                Some(Ambiguous::Leg) if !upper_leg => said.part = Part::UpperLeg,
-                _ => {}
-            }
-        }
-        Self { skeleton, said: all }
-    }
+fn arm(names: &Names<'_>, side: Side) -> Option<Arm> {
+    let find = |part, above| names.first(part, Some(side), above);
+    let upper = find(Part::UpperArm, None)?;
+    let lower = find(Part::LowerArm, Some(upper))?;
+    let clavicle = find(Part::Clavicle, None).filter(|&clavicle| names.hangs_on(upper, clavicle));
+    Some(Arm { clavicle, upper, lower, hand: find(Part::Hand, Some(lower)) })
+}
 
-    fn leg(&self, side: Side) -> Result<Leg, Missing> {
-        let missing = |part| Missing { part, side: Some(side) };
-        let find = |part, above| self.first(part, Some(side), above);
-        let upper = find(Part::UpperLeg, None).ok_or_else(|| missing(Part::UpperLeg))?;
-        let lower = find(Part::LowerLeg, Some(upper)).ok_or_else(|| missing(Part::LowerLeg))?;
-        let foot = find(Part::Foot, Some(lower));
-        // A skeleton with an ankle and a foot means the ball of the foot by the latter.
-        let ball = foot.and_then(|foot| self.all(Part::Foot, foot).into_iter().find(|&joint| joint != foot));
-        let toes = foot.and_then(|foot| find(Part::Toes, Some(foot))).or(ball);
-        Ok(Leg { upper, lower, foot, toes })
-    }
-
-    fn arm(&self, side: Side) -> Option<Arm> {
-        let find = |part, above| self.first(part, Some(side), above);
-        let upper = find(Part::UpperArm, None)?;
-        let lower = find(Part::LowerArm, Some(upper))?;
-        let clavicle = find(Part::Clavicle, None).filter(|&clavicle| self.hangs_on(upper, clavicle));
-        Some(Arm { clavicle, upper, lower, hand: find(Part::Hand, Some(lower)) })
-    }
-
-    /// The joint that both legs hang on: the one named so, or the last that they share.
-    fn hips(&self, legs: [Leg; 2]) -> Option<usize> {
-        let [left, right] = legs.map(|leg| leg.upper);
-        let shared = |joint: usize| self.hangs_on(left, joint) && self.hangs_on(right, joint);
-        let named =
-            self.said.iter().enumerate().filter(|(_, said)| said.is_some_and(|said| said.part == Part::Hips));
-        let named = named.map(|(joint, _)| joint).find(|&joint| shared(joint));
-        named.or_else(|| {
-            (0..self.said.len()).rev().find(|&joint| joint != left && joint != right && shared(joint))
-        })
-    }
-
-    /// The first joint of a part, below another where that is given; parents stand before children, so it is the nearest to
-    /// the root.
-    fn first(&self, part: Part, side: Option<Side>, above: Option<usize>) -> Option<usize> {
-        let fits = |said: &Option<Said>| said.is_some_and(|said| said.part == part && said.side == side);
-        let below = |joint: usize| above.is_none_or(|above| self.hangs_on(joint, above));
-        (self.said.iter().enumerate())
-            .find(|(joint, said)| fits(said) && below(*joint))
-            .map(|(joint, _)| joint)
-    }
-
-    /// All joints of a part below another, in order, on whatever side.
-    fn all(&self, part: Part, above: usize) -> Vec<usize> {
-        let fits = |said: &Option<Said>| said.is_some_and(|said| said.part == part);
-        let found =
-            self.said.iter().enumerate().filter(|(joint, said)| fits(said) && self.hangs_on(*joint, above));
-        found.map(|(joint, _)| joint).collect()
-    }
-
-    /// Whether a joint hangs on another, at whatever distance, or is it.
-    fn hangs_on(&self, joint: usize, above: usize) -> bool {
-        let parent = |joint: &usize| self.skeleton.joints().get(*joint).and_then(|joint| joint.parent);
-        std::iter::successors(Some(joint), parent).any(|own| own == above)
-    }
+/// The joint that both legs hang on: the one named so, or the last that they share.
+fn hips(names: &Names<'_>, legs: [Leg; 2]) -> Option<usize> {
+    let [left, right] = legs.map(|leg| leg.upper);
+    let shared = |joint: usize| names.hangs_on(left, joint) && names.hangs_on(right, joint);
+    let named = names.joints(Part::Hips).find(|&joint| shared(joint));
+    named.or_else(|| {
+        (0..names.words.len()).rev().find(|&joint| joint != left && joint != right && shared(joint))
+    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Parts of a body and the words for them.
 
-use super::words::{Words, words};
+use super::words::Words;
+#[cfg(test)]
+use super::words::{tokens, words};
 
 /// A side of the body, its own: the left hand is on the left of the one whose hand it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -70,27 +72,49 @@ pub(super) enum Ambiguous {
     Shoulder,
     /// `leg`: a shin where there is another word for the thigh, else a thigh.
     Leg,
+    /// `hip joint`: nothing where there is another word for the thigh, else a thigh.
+    HipJoint,
 }
 
 /// What a joint's name says; nothing for helpers, fingers, faces and words that are not known.
+#[cfg(test)]
 pub(super) fn said(name: &str) -> Option<Said> {
-    let read = words(name);
+    said_by(&words(tokens(name)))
+}
+
+/// What the words of a name say.
+pub(super) fn said_by(read: &Words) -> Option<Said> {
     if read.helper {
         return None;
     }
     // Some put the side before the word without any mark: lfemur, rtibia.
-    plain(&read).or_else(|| {
-        let side = match read.text.chars().next()? {
-            'l' => Side::Left,
-            'r' => Side::Right,
-            _ => return None,
-        };
-        if read.side.is_some() {
-            return None;
-        }
-        let rest = Words { text: read.text.get(1..)?.to_string(), side: Some(side), ..read.clone() };
-        plain(&rest)
-    })
+    plain(read).or_else(|| plain(&side_before(read)?))
+}
+
+/// Which limb a twist joint belongs to.
+pub(super) fn twist_of(read: &Words) -> Option<(Part, Side)> {
+    if !read.twist {
+        return None;
+    }
+    let bare = Words { twist: false, helper: false, ..read.clone() };
+    // Biped has `ForeTwist` for the forearm.
+    if bare.text == "fore" {
+        return Some((Part::LowerArm, bare.side?));
+    }
+    let found = said_by(&bare)?;
+    Some((found.part, found.side?))
+}
+
+fn side_before(read: &Words) -> Option<Words> {
+    let side = match read.text.chars().next()? {
+        'l' => Side::Left,
+        'r' => Side::Right,
+        _ => return None,
+    };
+    if read.side.is_some() {
+        return None;
+    }
+    Some(Words { text: read.text.get(1..)?.to_string(), side: Some(side), ..read.clone() })
 }
 
 fn plain(read: &Words) -> Option<Said> {
@@ -103,7 +127,7 @@ fn plain(read: &Words) -> Option<Said> {
         | "chestlower" | "chestupper" => (Part::Spine, None),
         "neck" | "lowerneck" | "upperneck" | "necklower" | "neckupper" => (Part::Neck, None),
         "head" => (Part::Head, None),
-        "clavicle" | "collar" | "clav" | "collarbone" => (Part::Clavicle, None),
+        "clavicle" | "collar" | "clav" | "collarbone" | "scapula" | "shoulderblade" => (Part::Clavicle, None),
         "shoulder" => (Part::Clavicle, Some(Ambiguous::Shoulder)),
         "arm" | "upperarm" | "uparm" | "shldr" | "humerus" | "shldrbend" | "armupper" => {
             (Part::UpperArm, None)
@@ -113,6 +137,7 @@ fn plain(read: &Words) -> Option<Said> {
         }
         "hand" | "wrist" => (Part::Hand, None),
         "upleg" | "upperleg" | "thigh" | "femur" | "hip" | "thighbend" | "legupper" => (Part::UpperLeg, None),
+        "hipjoint" => (Part::UpperLeg, Some(Ambiguous::HipJoint)),
         "leg" => (Part::LowerLeg, Some(Ambiguous::Leg)),
         "lowerleg" | "lowleg" | "shin" | "calf" | "tibia" | "knee" | "leglower" => (Part::LowerLeg, None),
         "foot" | "ankle" => (Part::Foot, None),
@@ -138,11 +163,15 @@ mod tests {
         for name in ["Hips", "pelvis", "hip", "mixamorig:Hips", "Bip01 Pelvis"] {
             assert_eq!(said(name).map(|said| said.part), Some(Part::Hips), "{name}");
         }
-        for name in
-            ["LHipJoint", "LeftHandIndex1", "lThumb2", "leftEye", "upperarm_twist_01_l", "Hand", "handslot.l"]
-        {
+        for name in ["LeftHandIndex1", "lThumb2", "leftEye", "upperarm_twist_01_l", "Hand", "handslot.l"] {
             assert_eq!(said(name), None, "{name}");
         }
         assert_eq!(said("LeftShoulder").unwrap().ambiguous, Some(Ambiguous::Shoulder));
+        assert_eq!(said("LHipJoint").unwrap().ambiguous, Some(Ambiguous::HipJoint));
+        let twist = |name: &str| twist_of(&words(tokens(name)));
+        assert_eq!(twist("upperarm_twist_01_l"), Some((Part::UpperArm, Side::Left)));
+        assert_eq!(twist("Bip001 R ForeTwist1"), Some((Part::LowerArm, Side::Right)));
+        assert_eq!(twist("LeftForeArmRoll"), Some((Part::LowerArm, Side::Left)));
+        assert_eq!(twist("LeftForeArm"), None);
     }
 }

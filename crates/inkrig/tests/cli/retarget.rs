@@ -108,6 +108,9 @@ fn who_is_no_person_is_named() {
     };
     assert!(said("person.bvh", "snake.bvh").contains("snake.bvh: the character"));
     assert!(said("snake.bvh", "person.bvh").contains("snake.bvh: the motion"));
+    std::fs::write(folder.join("hound.bvh"), inkrig::samples::find("quadruped").unwrap().bytes).unwrap();
+    // Its joints have the names of a person's.
+    assert!(said("person.bvh", "hound.bvh").contains("it stands on four legs"));
     assert!(!folder.join("new.bvh").exists());
 }
 
