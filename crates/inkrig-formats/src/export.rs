@@ -1,6 +1,6 @@
 //! How a motion is written.
 
-use crate::{Channel, Finding, HumanBone, Original, SourceInfo, UpAxis};
+use crate::{Channel, Finding, Format, HumanBone, Original, SourceInfo, UpAxis};
 
 /// How to write a motion. The default suits most programs: centimetres, y up, the format's usual channels.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,6 +60,17 @@ impl ExportOptions {
             humanoid: source.humanoid.clone(),
             ..Self::default()
         }
+    }
+
+    /// As [`Self::like`], for a file of a format. What comes from elsewhere becomes an FBX in centimetres and y up: many
+    /// programs take no notice of what an FBX says of itself.
+    pub fn in_format(format: Format, source: &SourceInfo) -> Self {
+        let like = Self::like(source);
+        if format == Format::Fbx && source.format != Format::Fbx {
+            let Self { metres_per_unit, up, .. } = Self::default();
+            return Self { metres_per_unit, up, ..like };
+        }
+        like
     }
 }
 

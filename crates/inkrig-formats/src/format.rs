@@ -3,7 +3,7 @@
 use crate::gltf::write_into_gltf;
 use crate::{
     ExportOptions, FileSource, FormatError, Import, ImportOptions, Written, read_amc, read_bvh,
-    read_deepmimic, read_gltf, write_bvh, write_glb, write_usda, write_vrma,
+    read_deepmimic, read_fbx, read_gltf, write_bvh, write_fbx, write_glb, write_usda, write_vrma,
 };
 use inkrig_motion::Clip;
 
@@ -17,6 +17,8 @@ pub enum Format {
     Amc,
     /// A motion of the DeepMimic project, JSON in a `.txt`: needs the file of its character. Read only.
     DeepMimic,
+    /// Autodesk's exchange format: binary or text to read, binary to write.
+    Fbx,
     /// USD as text, a skeleton with its animation. Write only.
     Usda,
     /// glTF 2.0 in one binary file.
@@ -37,6 +39,7 @@ impl Format {
             "bvh" => Some(Self::Bvh),
             "amc" => Some(Self::Amc),
             "txt" | "json" => Some(Self::DeepMimic),
+            "fbx" => Some(Self::Fbx),
             "usda" => Some(Self::Usda),
             "glb" => Some(Self::Glb),
             "gltf" => Some(Self::Gltf),
@@ -57,6 +60,7 @@ impl Format {
             Self::Bvh => "bvh",
             Self::Amc => "amc",
             Self::DeepMimic => "txt",
+            Self::Fbx => "fbx",
             Self::Usda => "usda",
             Self::Glb => "glb",
             Self::Gltf => "gltf",
@@ -71,6 +75,7 @@ impl Format {
             Self::Bvh => "BVH",
             Self::Amc => "AMC",
             Self::DeepMimic => "DeepMimic",
+            Self::Fbx => "FBX",
             Self::Usda => "USD",
             Self::Glb => "GLB",
             Self::Gltf => "glTF",
@@ -84,7 +89,8 @@ impl Format {
 /// over several (.gltf); [`no_files`](crate::no_files) has none.
 ///
 /// # Errors
-/// What the format's own reader says: see [`read_bvh`], [`read_amc`], [`read_deepmimic`], [`read_gltf`].
+/// What the format's own reader says: see [`read_bvh`], [`read_amc`], [`read_deepmimic`], [`read_fbx`],
+/// [`read_gltf`].
 pub fn read_motion(
     bytes: &[u8],
     format: Format,
@@ -95,6 +101,7 @@ pub fn read_motion(
         Format::Bvh => read_bvh(bytes, options),
         Format::Amc => read_amc(bytes, options),
         Format::DeepMimic => read_deepmimic(bytes, options),
+        Format::Fbx => read_fbx(bytes, options),
         Format::Usda => Err(FormatError::Options {
             what: "inkrig writes USD, but does not read it".into(),
             hint: "export the motion as BVH".into(),
@@ -106,10 +113,12 @@ pub fn read_motion(
 /// Writes a motion in a known format.
 ///
 /// # Errors
-/// What the format's own writer says: see [`write_bvh`], [`write_usda`], [`write_glb`], [`write_vrma`]. Not every format can be written.
+/// What the format's own writer says: see [`write_bvh`], [`write_fbx`], [`write_usda`], [`write_glb`], [`write_vrma`].
+/// Not every format can be written.
 pub fn write_motion(clip: &Clip, format: Format, options: &ExportOptions) -> Result<Written, FormatError> {
     match format {
         Format::Bvh => write_bvh(clip, options),
+        Format::Fbx => write_fbx(clip, options),
         Format::Usda => write_usda(clip, options),
         Format::Amc | Format::DeepMimic => Err(FormatError::Write {
             what: format!("inkrig does not write {} files", format.name()),

@@ -22,10 +22,13 @@
 
 mod asf_amc;
 mod bvh;
+mod clip_choice;
 mod deepmimic;
 mod error;
 mod euler;
 mod export;
+mod fbx;
+mod figure;
 mod finding;
 mod folder;
 mod format;
@@ -35,6 +38,7 @@ mod lexer;
 mod limits;
 mod numbers;
 mod original;
+mod timing;
 mod unit;
 mod usda;
 
@@ -43,6 +47,7 @@ pub use bvh::{bvh_rows, read_bvh, write_bvh};
 pub use deepmimic::read_deepmimic;
 pub use error::FormatError;
 pub use export::{ExportOptions, KeptRow, Written};
+pub use fbx::{read_fbx, write_fbx};
 pub use finding::{Finding, Place, Severity};
 pub use folder::{FileSource, no_files, read_in_folder};
 pub use format::{Format, read_motion, write_motion};

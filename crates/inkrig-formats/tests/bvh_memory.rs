@@ -1,49 +1,19 @@
 //! No header makes the reader allocate more than a small multiple of the bytes that are really there.
 #![allow(
-    unsafe_code,
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::panic,
     clippy::print_stdout,
-    reason = "counting what is allocated takes an allocator, which is unsafe by nature; functions beside the tests may fail too"
+    reason = "functions beside the tests may fail too"
 )]
 
+mod counting;
+
 use inkrig_formats::{ImportOptions, read_bvh};
-use std::{
-    alloc::{GlobalAlloc, Layout, System},
-    sync::atomic::{AtomicUsize, Ordering::Relaxed},
-};
-
-struct Counting;
-
-static LIVE: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-// SAFETY: every call is handed to the system's allocator unchanged; the counters do not touch memory.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let live = LIVE.fetch_add(layout.size(), Relaxed) + layout.size();
-        PEAK.fetch_max(live, Relaxed);
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        LIVE.fetch_sub(layout.size(), Relaxed);
-        // SAFETY: the caller keeps the contract of `dealloc`.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 /// Bytes alive at the worst moment of reading, above what was alive before.
 fn peak(text: &[u8]) -> (usize, bool) {
-    let before = LIVE.load(Relaxed);
-    PEAK.store(before, Relaxed);
-    let read = read_bvh(text, &ImportOptions::default()).is_ok();
-    (PEAK.load(Relaxed) - before, read)
+    counting::peak(|| read_bvh(text, &ImportOptions::default()).is_ok())
 }
 
 // The only test of its file: others at the same time would be counted too.

@@ -138,7 +138,7 @@ pub enum CliError {
     SameFile(PathBuf),
     /// Several inputs, and no folder for them.
     #[error("{} cannot hold several files", printable::path(.0))]
-    #[diagnostic(help("name a folder, and a format by --to bvh, glb or usda"))]
+    #[diagnostic(help("name a folder, and a format by --to bvh, glb, fbx or usda"))]
     OneFolder(PathBuf),
     /// No file has such a name.
     #[error("no file is called {}", printable::path(.0))]

@@ -18,8 +18,7 @@ use std::path::Path;
 /// # Errors
 /// When it is not there, too large, of an unknown kind, or not understood.
 pub fn motion(path: &Path, args: &ImportArgs) -> Result<Import, CliError> {
-    let known =
-        "known motion files: .bvh, .glb, .gltf, .vrm, .vrma, .amc (with its .asf), DeepMimic's .txt or .json";
+    let known = "known motion files: .bvh, .fbx, .glb, .gltf, .vrm, .vrma, .amc (with its .asf), DeepMimic's .txt or .json";
     let format = extension(path)
         .and_then(|extension| Format::from_extension(&extension))
         .ok_or_else(|| CliError::Kind { path: path.to_path_buf(), known })?;

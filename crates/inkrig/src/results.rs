@@ -62,13 +62,14 @@ pub(crate) fn write<R: Serialize>(
 ) -> Result<R, CliError> {
     let (alignment, control) = (made.alignment, made.control);
     let stage = console.stage("writing the motion");
+    let format = format_of(places.motion)?;
     let written = write_motion(
         &alignment.clip,
-        format_of(places.motion)?,
+        format,
         &ExportOptions {
             name: Some(made.title.to_string()),
             kept: made.kept.clone(),
-            ..ExportOptions::like(made.source)
+            ..ExportOptions::in_format(format, made.source)
         },
     )?;
     drop(stage);
@@ -106,7 +107,8 @@ pub(crate) fn write<R: Serialize>(
 /// # Errors
 /// When the name says none that is written.
 pub(crate) fn format_of(path: &Path) -> Result<Format, CliError> {
-    let known = "results are written as .bvh, .glb, .usda, .vrma, and into a .gltf or .vrm that was read";
+    let known =
+        "results are written as .bvh, .glb, .fbx, .usda, .vrma, and into a .gltf or .vrm that was read";
     let format = path.extension().and_then(|extension| Format::from_extension(extension.to_str()?));
     format
         .filter(|format| format.is_written())

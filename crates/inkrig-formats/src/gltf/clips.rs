@@ -6,10 +6,9 @@ use super::{
     container::Container,
     damaged,
     document::{Animation, Channel, Document, Path},
-    figure::Figure,
     track::Track,
 };
-use crate::{ClipChoice, ClipInfo, FileSource, Finding, FormatError, ImportOptions, Limits, finding::shown};
+use crate::{ClipInfo, FileSource, Finding, FormatError, ImportOptions, Limits, figure::Figure};
 use std::collections::{BTreeSet, HashSet};
 
 /// Names and lengths of all clips, without looking into buffers.
@@ -25,52 +24,6 @@ pub(super) fn list(document: &Document) -> Vec<ClipInfo> {
 
 fn name(animation: &Animation, index: usize) -> String {
     if animation.name.is_empty() { format!("clip_{}", index + 1) } else { animation.name.clone() }
-}
-
-/// Which clip is read: the one asked for, else the first; `None` when there is none.
-pub(super) fn choose(
-    clips: &[ClipInfo],
-    choice: Option<&ClipChoice>,
-    findings: &mut Vec<Finding>,
-) -> Result<Option<usize>, FormatError> {
-    let names = || {
-        let mut names: Vec<String> =
-            clips.iter().take(20).map(|clip| format!("`{}`", shown(&clip.name))).collect();
-        names.extend((clips.len() > 20).then(|| format!("and {} more", clips.len() - 20)));
-        names.join(", ")
-    };
-    let Some(choice) = choice else {
-        if let [first, _, ..] = clips {
-            let message = format!(
-                "the file has {} clips and `{}`, the first, is read; `--clip` chooses another",
-                clips.len(),
-                shown(&first.name)
-            );
-            findings.push(Finding::warning("gltf-clips", message));
-        }
-        return Ok((!clips.is_empty()).then_some(0));
-    };
-    let found = match choice {
-        ClipChoice::Number(number) => number.checked_sub(1).filter(|index| *index < clips.len()),
-        ClipChoice::Name(name) => find(clips, name),
-    };
-    found.map(Some).ok_or_else(|| FormatError::Options {
-        what: match choice {
-            ClipChoice::Number(number) => format!("there is no clip number {number} in the file"),
-            ClipChoice::Name(name) => format!("there is no clip `{}` in the file", shown(name)),
-        },
-        hint: if clips.is_empty() { "it has no clips".into() } else { format!("its clips are {}", names()) },
-    })
-}
-
-/// A name as it is; else one that differs in case only; else one behind a prefix such as `Armature|`.
-fn find(clips: &[ClipInfo], name: &str) -> Option<usize> {
-    let same = |clip: &ClipInfo| clip.name == name;
-    let nearly = |clip: &ClipInfo| clip.name.eq_ignore_ascii_case(name);
-    let behind =
-        |clip: &ClipInfo| clip.name.rsplit('|').next().is_some_and(|end| end.eq_ignore_ascii_case(name));
-    let position = |test: &dyn Fn(&ClipInfo) -> bool| clips.iter().position(test);
-    position(&same).or_else(|| position(&nearly)).or_else(|| position(&behind))
 }
 
 /// The channels of one clip that move the skeleton or what stands above it.

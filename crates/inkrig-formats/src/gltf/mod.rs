@@ -10,7 +10,6 @@ mod figure;
 mod forest;
 mod humanoid;
 mod pose;
-mod timing;
 mod track;
 mod write;
 
@@ -20,17 +19,16 @@ pub use write::{write_glb, write_vrma};
 
 use crate::{
     Evidence, FileSource, Finding, Format, FormatError, Import, ImportOptions, Limits, Original, SourceInfo,
+    clip_choice,
+    figure::{Figure, Stage, clip_from_file},
+    timing::Timing,
 };
 use container::Container;
 use document::Document;
-use figure::Figure;
 use forest::Forest;
-use inkrig_motion::{
-    Clip,
-    glam::{DAffine3, DMat3, DVec3},
-};
-use pose::{Player, Stage};
-use timing::Timing;
+use inkrig_motion::{Clip, glam::DAffine3};
+use pose::Player;
+use track::Track;
 
 /// Reads a glTF 2.0 file: GLB, .gltf, VRM or VRMA.
 ///
@@ -56,13 +54,21 @@ pub fn read_gltf(
     let document = document::parse(container.json)?;
     let forest = Forest::of(&document)?;
     let mut findings = Vec::new();
-    let figure = Figure::of(&document, &forest, &options.limits, &mut findings)?;
+    let figure = figure::figure(&document, &forest, &options.limits, &mut findings)?;
     let metres_per_unit = options.metres_per_unit.unwrap_or(1.0);
     let up = options.up.unwrap_or_default();
-    let stage = Stage::new(&figure, &forest, clip_from_file(metres_per_unit, up));
+    let clip_from_file = clip_from_file(metres_per_unit, up);
+    let stage = pose::stage(&figure, &forest, clip_from_file);
     let clips = clips::list(&document);
-    let chosen = clips::choose(&clips, options.clip.as_ref(), &mut findings)?;
-    let parts = Parts { document: &document, container: &container, stage: &stage, size: bytes.len() };
+    let chosen = clip_choice::choose(&clips, options.clip.as_ref(), 0, &mut findings)?;
+    let parts = Parts {
+        document: &document,
+        container: &container,
+        forest: &forest,
+        clip_from_file,
+        stage: &stage,
+        size: bytes.len(),
+    };
     let clip = match chosen {
         Some(index) => parts.clip(index, options, files, &mut findings)?,
         None => parts.rest_pose(options, &mut findings)?,
@@ -96,6 +102,8 @@ fn damaged(
 struct Parts<'p, 'a> {
     document: &'p Document,
     container: &'p Container<'a>,
+    forest: &'p Forest,
+    clip_from_file: DAffine3,
     stage: &'p Stage<'p>,
     /// Bytes of the file.
     size: usize,
@@ -120,14 +128,18 @@ impl Parts<'_, '_> {
         drop(times);
         findings.extend(finding);
         let frames = self.frames(timing, size, &options.limits)?;
-        Player::new(self.stage, tracks, timing).clip(frames, findings)
+        self.player(tracks, timing).clip(frames, findings)
     }
 
     fn rest_pose(&self, options: &ImportOptions, findings: &mut Vec<Finding>) -> Result<Clip, FormatError> {
         let message = "the file has no clip; its rest pose is taken as one frame";
         findings.push(Finding::info("gltf-rest-pose", message.into()));
         let (timing, _) = Timing::of(&[0.0], options.frame_rate);
-        Player::new(self.stage, Vec::new(), timing).clip(1, findings)
+        self.player(Vec::new(), timing).clip(1, findings)
+    }
+
+    fn player<'t>(&self, tracks: Vec<Track<'t>>, timing: Timing) -> Player<'_, '_, 't> {
+        Player::new(self.stage, self.forest, self.clip_from_file, tracks, timing)
     }
 
     /// The number of frames, when they are not too many.
@@ -149,12 +161,6 @@ impl Parts<'_, '_> {
             hint: "cut the motion into shorter ones, or read it at a lower rate with `--source-fps`".into(),
         })
     }
-}
-
-fn clip_from_file(metres_per_unit: f64, up: crate::UpAxis) -> DAffine3 {
-    let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| up.clip_from_file(axis) * metres_per_unit);
-    let [x, y, z] = axes;
-    DAffine3::from_mat3(DMat3::from_cols(x, y, z))
 }
 
 fn format(document: &Document, container: &Container<'_>) -> Format {

@@ -1,12 +1,18 @@
 //! What the suites share: fixtures, reference files, comparing clips.
 #![allow(dead_code, reason = "each suite uses its part")]
 
+pub(crate) mod fbx;
 pub(crate) mod gltf;
 
-use inkrig_motion::{Clip, kinematics};
+use inkrig_motion::{
+    Clip, Joint, Skeleton, TranslationTrack,
+    glam::{EulerRot, Quat, Vec3},
+    kinematics,
+};
 use std::{
     collections::BTreeSet,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 /// The bytes of a fixture.
@@ -22,6 +28,38 @@ pub(crate) fn fixture_names() -> BTreeSet<String> {
 
 fn fixtures() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/bvh")
+}
+
+/// A forest with tips, a joint that moves in its parent, one that never turns, and names that repeat.
+pub(crate) fn odd_clip(frames: usize, rate: f64) -> Clip {
+    let joints = vec![
+        Joint::new("hips", None, Vec3::new(0.1, 0.9, 0.0)),
+        Joint::new("spine", Some(0), Vec3::Y * 0.5),
+        Joint::new("prop", None, Vec3::X),
+        Joint::new("knee: left", Some(0), Vec3::new(0.1, -0.4, 0.01)),
+        Joint::end("a tip", 3, Vec3::Y * -0.4),
+        Joint::new("spine", Some(1), Vec3::Y * 0.3),
+        Joint::end("spine_end", 5, Vec3::Y * 0.2),
+    ];
+    let count = joints.len();
+    let rotation = |frame: usize, joint: usize| match joint {
+        1 => Quat::from_rotation_z(0.5),
+        4 | 6 => Quat::IDENTITY,
+        _ => {
+            let turn = 0.05 * frame as f32 * (1 + joint) as f32;
+            Quat::from_euler(EulerRot::XYZ, turn, 2.0 * turn, -turn)
+        }
+    };
+    let rotations =
+        (0..frames).flat_map(|frame| (0..count).map(move |joint| rotation(frame, joint))).collect();
+    let track = |joint: usize, still: bool| TranslationTrack {
+        joint,
+        values: (0..frames)
+            .map(|frame| Vec3::new(if still { 3.0 } else { 0.03 * frame as f32 }, 1.0, 0.2))
+            .collect(),
+    };
+    let skeleton = Arc::new(Skeleton::new(joints).unwrap());
+    Clip::new(skeleton, rate, rotations, vec![track(0, false), track(3, true), track(5, false)]).unwrap()
 }
 
 /// All files below the reference folder with an extension, sorted; `None`, with a line that says so, when there is no

@@ -38,7 +38,7 @@ pub struct AlignArgs {
     #[command(flatten)]
     /// What to follow.
     pub control: ControlArgs,
-    /// The file to write: .bvh, .glb (a clip of a GLB goes back into a copy of it), .usda, .vrma
+    /// The file to write: .bvh, .glb (a clip of a GLB goes back into a copy of it), .fbx, .usda, .vrma
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub out: PathBuf,
     /// A pose at a time, exactly (0.5s=frame:120), or softly at a time, place or label, also a pose of another clip

@@ -24,7 +24,7 @@ pub struct ConvertArgs {
     /// The files to convert; a pattern such as '*.bvh' means all files whose names fit
     #[arg(value_name = "IN", required = true, value_hint = ValueHint::FilePath)]
     pub inputs: Vec<PathBuf>,
-    /// The file to write (.bvh, .glb, .usda, .vrma); with --to the folder, which is made if it is not there
+    /// The file to write (.bvh, .glb, .fbx, .usda, .vrma); with --to the folder, which is made if it is not there
     #[arg(value_name = "OUT", required = true, value_hint = ValueHint::AnyPath)]
     pub out: PathBuf,
     /// Write each file to the folder OUT, in this format
@@ -57,6 +57,8 @@ pub enum ToArg {
     Bvh,
     /// glTF 2.0 in one file: skeleton, motion and a body of capsules, or the clip put into a copy of the GLB it is from
     Glb,
+    /// Autodesk's exchange format, binary: skeleton and motion
+    Fbx,
     /// USD as text
     Usda,
 }
@@ -67,6 +69,7 @@ impl ToArg {
         match self {
             Self::Bvh => Format::Bvh,
             Self::Glb => Format::Glb,
+            Self::Fbx => Format::Fbx,
             Self::Usda => Format::Usda,
         }
     }

@@ -28,7 +28,7 @@ pub struct RetargetArgs {
     /// The character that shall move so: a file of any format that is read, with or without a motion
     #[arg(long, value_name = "CHARACTER", value_hint = ValueHint::FilePath)]
     pub onto: PathBuf,
-    /// The file to write: .bvh, .glb (for a character from a GLB a copy of it with the new clip), .usda, .vrma
+    /// The file to write: .bvh, .glb (for a character from a GLB a copy of it with the new clip), .fbx, .usda, .vrma
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub out: PathBuf,
     /// Size of the character over that of the one in the motion; else the ratio of their hips' heights

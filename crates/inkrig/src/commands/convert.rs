@@ -184,7 +184,7 @@ impl Job<'_> {
         let (clip, root) = self.over_ground.apply(clip, &mut source, looped.is_some()).map_err(about)?;
         let name = clip_name.clone().or_else(|| Some(input.file_stem()?.to_string_lossy().into_owned()));
         // In a copy of the file that it came from, the clip takes its own place.
-        let options = ExportOptions { name, replace: true, ..ExportOptions::like(&source) };
+        let options = ExportOptions { name, replace: true, ..ExportOptions::in_format(format, &source) };
         let written = write_motion(&clip, format, &options)
             .map_err(|cause| CliError::Format { path: out.to_path_buf(), cause: Box::new(cause) })?;
         warnings.extend(load::warnings(&written.findings, out));

@@ -38,7 +38,8 @@ pub(super) fn run(args: &RetargetArgs, console: &Console) -> Result<(), CliError
     let refused = args.strict && !broken.is_empty();
     let mut files: Vec<(&Path, Vec<u8>)> = Vec::new();
     if !refused {
-        let options = ExportOptions { name: Some(name), ..ExportOptions::like(&character.source) };
+        let options =
+            ExportOptions { name: Some(name), ..ExportOptions::in_format(format, &character.source) };
         let written = write_motion(&moved.clip, format, &options)?;
         for warning in load::warnings(&written.findings, &args.out) {
             console.warn(&warning);

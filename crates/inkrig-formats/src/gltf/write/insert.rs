@@ -9,14 +9,15 @@ use super::{
 };
 use crate::{
     ExportOptions, Finding, FormatError, Limits, Written,
+    figure::{Figure, Placed, Stage, clip_from_file, rotation_of},
     finding::shown,
     gltf::{
-        clip_from_file, clips,
+        clips,
         container::{self, Container},
         document::{self, Document},
-        figure::Figure,
-        forest::{Forest, Transform, rotation_of},
-        pose::{Placed, Stage},
+        figure,
+        forest::{Forest, Transform},
+        pose,
     },
 };
 use base64::{Engine as _, engine::general_purpose::STANDARD};
@@ -44,10 +45,11 @@ pub(super) fn insert(
     }
     let document = document::parse(container.json)?;
     let forest = Forest::of(&document)?;
-    let figure = Figure::of(&document, &forest, &Limits::default(), &mut Vec::new())?;
-    let stage = Stage::new(&figure, &forest, clip_from_file(options.metres_per_unit, options.up));
+    let figure = figure::figure(&document, &forest, &Limits::default(), &mut Vec::new())?;
+    let clip_from_file = clip_from_file(options.metres_per_unit, options.up);
+    let stage = pose::stage(&figure, &forest, clip_from_file);
     check_skeleton(&stage, clip)?;
-    let motion = Locals::new(&stage, &forest, clip).motions()?;
+    let motion = Locals::new(&stage, &forest, Placed::origin(clip_from_file), clip).motions()?;
     let text = std::str::from_utf8(container.json).unwrap_or_default();
     let mut top = Object::parse(text)?;
     let mut findings = Vec::new();
@@ -102,20 +104,22 @@ fn check_skeleton(stage: &Stage<'_>, clip: &Clip) -> Result<(), FormatError> {
 struct Locals<'s> {
     stage: &'s Stage<'s>,
     forest: &'s Forest,
+    /// What the roots stand in.
+    origin: Placed,
     clip: &'s Clip,
     /// The joint of a node.
     joint: Vec<Option<usize>>,
 }
 
 impl<'s> Locals<'s> {
-    fn new(stage: &'s Stage<'s>, forest: &'s Forest, clip: &'s Clip) -> Self {
+    fn new(stage: &'s Stage<'s>, forest: &'s Forest, origin: Placed, clip: &'s Clip) -> Self {
         let mut joint = vec![None; forest.parents.len()];
         for (index, described) in stage.figure.joints.iter().enumerate() {
             if let Some(slot) = joint.get_mut(described.node) {
                 *slot = Some(index);
             }
         }
-        Self { stage, forest, clip, joint }
+        Self { stage, forest, origin, clip, joint }
     }
 
     fn motions(&self) -> Result<Vec<NodeMotion>, FormatError> {
@@ -187,7 +191,7 @@ impl<'s> Locals<'s> {
 
     fn above(&self, node: usize, placed: &[Placed]) -> Placed {
         let parent = self.forest.parents.get(node).copied().flatten();
-        parent.and_then(|parent| placed.get(parent)).copied().unwrap_or_else(|| self.stage.origin())
+        parent.and_then(|parent| placed.get(parent)).copied().unwrap_or(self.origin)
     }
 
     /// Where the clip has the joints, and what they have turned, in the world.

@@ -13,21 +13,21 @@ const FASTEST: f64 = 480.0;
 
 /// When the frames of a clip are.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Timing {
+pub(crate) struct Timing {
     /// Time of the first frame, seconds.
-    pub(super) start: f64,
+    pub(crate) start: f64,
     /// Frames a second.
-    pub(super) rate: f64,
+    pub(crate) rate: f64,
     /// How many frames; may be beyond any limit.
-    pub(super) frames: f64,
+    pub(crate) frames: f64,
     /// How far keys may lie behind the frames that they belong to, seconds.
-    pub(super) slack: f64,
+    pub(crate) slack: f64,
 }
 
 impl Timing {
     /// Frames at the rate of the keys when they stand on one, else at a rate that is said. `times` are seconds, rising;
     /// a `rate` that is given wins.
-    pub(super) fn of(times: &[f64], rate: Option<f64>) -> (Self, Option<Finding>) {
+    pub(crate) fn of(times: &[f64], rate: Option<f64>) -> (Self, Option<Finding>) {
         let (start, end) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
         let (rate, finding) = match rate {
             Some(rate) => (rate, None),
@@ -56,12 +56,12 @@ fn choose(times: &[f64]) -> (f64, Option<Finding>) {
         let rate = keys * (30.0 / keys).round();
         let message =
             format!("keys stand {keys:.3} a second; the clip is sampled at {rate:.3} frames a second");
-        return (rate, Some(Finding::info("gltf-sampled", message)));
+        return (rate, Some(Finding::info("keys-sampled", message)));
     }
     let often = times.len() as f64 > 45.0 * grid.span;
     let rate = if often { 60.0 } else { 30.0 };
     let message = format!("the keys stand at no steady rate; the clip is sampled at {rate} frames a second");
-    (rate, Some(Finding::warning("gltf-uneven-keys", message)))
+    (rate, Some(Finding::warning("keys-uneven", message)))
 }
 
 struct Grid<'a> {
@@ -142,10 +142,10 @@ mod tests {
     fn a_coarse_or_uneven_grid_is_sampled_and_said() {
         let (timing, finding) = Timing::of(&keys(7.0, [0, 1, 2, 9], 0.0), None);
         assert_eq!((timing.rate, timing.frames), (28.0, 37.0));
-        assert_eq!(finding.unwrap().code, "gltf-sampled");
+        assert_eq!(finding.unwrap().code, "keys-sampled");
         let (timing, finding) = Timing::of(&[0.0, 0.1, 0.237_19, 1.0], None);
         assert_eq!((timing.rate, timing.frames), (30.0, 31.0));
-        assert_eq!(finding.unwrap().code, "gltf-uneven-keys");
+        assert_eq!(finding.unwrap().code, "keys-uneven");
     }
 
     #[test]

@@ -1,0 +1,35 @@
+//! The numbers of objects: the same in every file of the same shape.
+
+/// Each kind of object has a block of numbers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ids {
+    pub(super) joints: usize,
+    pub(super) curve_nodes: usize,
+}
+
+/// The first number; 0 is the scene's root.
+const FIRST: i64 = 1_000_000;
+
+impl Ids {
+    pub(super) const ROOT: i64 = 0;
+    pub(super) const DOCUMENT: i64 = FIRST;
+    pub(super) const STACK: i64 = FIRST + 1;
+    pub(super) const LAYER: i64 = FIRST + 2;
+
+    pub(super) fn model(&self, joint: usize) -> i64 {
+        Self::LAYER + 1 + joint as i64
+    }
+
+    pub(super) fn attribute(&self, joint: usize) -> i64 {
+        self.model(self.joints + joint)
+    }
+
+    pub(super) fn curve_node(&self, index: usize) -> i64 {
+        self.attribute(self.joints + index)
+    }
+
+    /// The curve of an axis, 0 to 2.
+    pub(super) fn curve(&self, index: usize, axis: usize) -> i64 {
+        self.curve_node(self.curve_nodes + 3 * index + axis)
+    }
+}
