@@ -23,6 +23,7 @@
 mod asf_amc;
 mod bvh;
 mod clip_choice;
+mod companion;
 mod deepmimic;
 mod error;
 mod euler;
@@ -44,6 +45,7 @@ mod usda;
 
 pub use asf_amc::read_amc;
 pub use bvh::{bvh_rows, read_bvh, write_bvh};
+pub use companion::companion_beside;
 pub use deepmimic::read_deepmimic;
 pub use error::FormatError;
 pub use export::{ExportOptions, KeptRow, Written};

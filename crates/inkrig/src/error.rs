@@ -11,6 +11,7 @@ use inkrig_motion::MotionError;
 use inkrig_motion::retarget::RetargetError;
 use inkrig_sketch::SketchError;
 use inkrig_sound::SoundError;
+use inkrig_train::TrainError;
 use miette::Diagnostic;
 use std::path::PathBuf;
 
@@ -74,6 +75,9 @@ pub enum CliError {
         /// The clip's length, frames.
         frames: usize,
     },
+    /// A corpus that cannot be built.
+    #[error("{}", printable::text(.0))]
+    Train(Box<TrainError>),
     /// A drawing that cannot be understood.
     #[error("{}: {}", printable::path(path), printable::text(cause))]
     Curve {
@@ -239,6 +243,7 @@ impl CliError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Align(error) if matches!(**error, AlignError::Cancelled) => 130,
+            Self::Train(error) if matches!(**error, TrainError::Stopped) => 130,
             _ => 1,
         }
     }

@@ -26,7 +26,6 @@ pub use inkrig_transport as transport;
 pub mod bench;
 pub mod cli;
 pub mod commands;
-mod companion;
 pub mod console;
 pub mod error;
 mod guide;

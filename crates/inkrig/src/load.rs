@@ -1,11 +1,11 @@
 //! Files in: motion and drawings, with limits.
 
 use crate::cli::{ImportArgs, Up};
-use crate::companion;
 use crate::error::CliError;
 use crate::printable;
 use inkrig_formats::{
-    ClipChoice, Finding, Format, Import, ImportOptions, Severity, UpAxis, read_in_folder, read_motion,
+    ClipChoice, Finding, Format, Import, ImportOptions, Severity, UpAxis, companion_beside, read_in_folder,
+    read_motion,
 };
 use inkrig_sketch::{Curve, read_curve};
 use inkrig_sound::Sound;
@@ -23,7 +23,7 @@ pub fn motion(path: &Path, args: &ImportArgs) -> Result<Import, CliError> {
         .and_then(|extension| Format::from_extension(&extension))
         .ok_or_else(|| CliError::Kind { path: path.to_path_buf(), known })?;
     let companion = match format {
-        Format::Amc | Format::DeepMimic => args.skeleton.clone().or_else(|| companion::beside(path, format)),
+        Format::Amc | Format::DeepMimic => args.skeleton.clone().or_else(|| companion_beside(path, format)),
         _ => None,
     };
     let most = ImportOptions::default().limits.bytes;

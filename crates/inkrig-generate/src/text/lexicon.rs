@@ -42,31 +42,42 @@ pub fn nearest_verbs(word: &str, count: usize) -> Vec<&'static str> {
     all.into_iter().take(count).map(|(_, name)| name).collect()
 }
 
-/// The description of the mirrored motion: left and right change places.
+/// The description of the mirrored motion: left and right change places, in `WalkLeft` too.
 pub fn mirrored(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
-    let mut word = String::new();
-    // A space at the end ends the last word.
-    for letter in text.chars().chain([' ']) {
+    let (mut word, mut before) = (String::new(), ' ');
+    for letter in text.chars() {
+        if !letter.is_alphabetic() || (letter.is_uppercase() && before.is_lowercase()) {
+            push_mirrored(&mut out, &word);
+            word.clear();
+        }
         if letter.is_alphabetic() {
             word.push(letter);
-            continue;
-        }
-        let lower = word.to_lowercase();
-        let (from, to) = if lower.starts_with("left") { ("left", "right") } else { ("right", "left") };
-        if lower.starts_with(from) {
-            let capital = word.chars().next().is_some_and(char::is_uppercase);
-            let first =
-                to.chars().next().map(|first| if capital { first.to_ascii_uppercase() } else { first });
-            out.extend(first.into_iter().chain(to.chars().skip(1)).chain(word.chars().skip(from.len())));
         } else {
-            out.push_str(&word);
+            out.push(letter);
         }
-        word.clear();
-        out.push(letter);
+        before = letter;
     }
-    out.pop();
+    push_mirrored(&mut out, &word);
     out
+}
+
+fn push_mirrored(out: &mut String, word: &str) {
+    let lower = word.to_lowercase();
+    let sides = [("left", "right"), ("right", "left")];
+    // Lower case may have another length than the word itself; these two have not.
+    let side =
+        sides.into_iter().find(|(from, _)| lower.starts_with(from) && word.is_char_boundary(from.len()));
+    let Some((from, to)) = side else {
+        out.push_str(word);
+        return;
+    };
+    let (own, rest) = word.split_at(from.len());
+    for (place, letter) in to.chars().enumerate() {
+        let capital = own.chars().nth(place.min(own.len() - 1)).is_some_and(char::is_uppercase);
+        out.push(if capital { letter.to_ascii_uppercase() } else { letter });
+    }
+    out.push_str(rest);
 }
 
 /// Words in lower case; `WalkToSit_02` is four.
@@ -214,5 +225,8 @@ mod tests {
         assert_eq!(mirrored("kick leftwards"), "kick rightwards");
         assert_eq!(mirrored(&mirrored("walk turn Left90")), "walk turn Left90");
         assert_eq!(mirrored("bright"), "bright");
+        assert_eq!(mirrored("WalkLeft"), "WalkRight");
+        assert_eq!(mirrored("KICK RIGHT"), "KICK LEFT");
+        assert_eq!(mirrored("\u{212a}left \u{130}right lefts"), "\u{212a}left \u{130}right rights");
     }
 }

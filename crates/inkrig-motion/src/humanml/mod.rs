@@ -25,7 +25,7 @@ pub use from_clip::from_clip;
 pub use ground::ground;
 pub use key_points::augment;
 pub use recover::{RootPath, recover_bones, recover_positions, root_path};
-pub use statistics::Statistics;
+pub use statistics::{Moments, Statistics};
 
 /// Frames a second of the form.
 pub const FRAME_RATE: f64 = 20.0;

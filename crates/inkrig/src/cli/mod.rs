@@ -3,6 +3,7 @@
 mod align;
 mod bench;
 mod convert;
+mod data;
 mod retarget;
 mod root;
 mod suggest;
@@ -10,6 +11,7 @@ mod suggest;
 pub use align::{AlignArgs, ControlArgs, Norms, PresetArg, RotationArg, SolverArg, VelocityArg};
 pub use bench::{BenchAlignArgs, BenchArgs, BenchCommand};
 pub use convert::{ConvertArgs, ToArg};
+pub use data::{CorpusArgs, DataArgs, DataCommand};
 pub use retarget::RetargetArgs;
 pub use root::{RootArgs, RootMode};
 pub use suggest::SuggestArgs;
@@ -53,6 +55,8 @@ pub enum Command {
     /// Put a motion on another character, and say how exact it is
     #[command(after_help = retarget::EXAMPLES)]
     Retarget(Box<RetargetArgs>),
+    /// Make a corpus to train on out of folders of motion files
+    Data(DataArgs),
     /// Say what is in a motion file: skeleton, frames, unit, problems
     #[command(after_help = "Examples:\n  inkrig inspect walk.bvh\n  inkrig inspect walk.bvh --json")]
     Inspect(InspectArgs),

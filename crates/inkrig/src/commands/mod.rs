@@ -6,6 +6,7 @@ mod bench;
 mod certificate;
 pub(crate) mod control;
 mod convert;
+mod data;
 mod demo;
 mod demo_files;
 mod inspect;
@@ -30,6 +31,7 @@ pub fn run(cli: Cli) -> Result<(), CliError> {
         Command::Align(args) => align::run(&args, &console),
         Command::Bench(args) => bench::run(&args, &console),
         Command::Convert(args) => convert::run(&args, &console),
+        Command::Data(args) => data::run(&args, &console),
         Command::Retarget(args) => retarget::run(&args, &console),
         Command::Demo(args) => demo::run(&args, &console),
         Command::Inspect(args) => inspect::run(&args, &console),

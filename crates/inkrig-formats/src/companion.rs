@@ -1,11 +1,11 @@
 //! The skeleton file that lies beside a motion which holds none.
 
-use inkrig_formats::Format;
+use crate::Format;
 use std::path::{Path, PathBuf};
 
 /// The skeleton of `35_01.amc` is `35.asf` or `35_01.asf`, else the only `.asf` in its folder; that of
 /// `humanoid3d_walk.txt` is `humanoid3d.txt` in its folder or the one above, as the projects keep them.
-pub(crate) fn beside(motion: &Path, format: Format) -> Option<PathBuf> {
+pub fn companion_beside(motion: &Path, format: Format) -> Option<PathBuf> {
     let stem = motion.file_stem()?.to_str()?;
     let first = stem.split('_').next().unwrap_or(stem);
     let folder = motion.parent()?;
@@ -42,7 +42,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let put = |name: &str| std::fs::write(folder.path().join(name), "").unwrap();
         let find = |name: &str, format| {
-            let found = beside(&folder.path().join(name), format)?;
+            let found = companion_beside(&folder.path().join(name), format)?;
             Some(found.file_name().unwrap().to_str().unwrap().to_string())
         };
         assert_eq!(find("35_01.amc", Format::Amc), None);

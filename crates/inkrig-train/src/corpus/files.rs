@@ -1,0 +1,144 @@
+//! The motion files of a corpus, and what is known of each before it is read.
+
+use super::config::{Config, Source, Split, TextFrom};
+use super::index::Index;
+use crate::TrainError;
+use inkrig_formats::Format;
+use std::path::{Path, PathBuf};
+
+/// Folders within folders, at most.
+const DEEPEST: usize = 16;
+
+/// A motion file.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct MotionFile {
+    /// Place of its source in the configuration.
+    pub source: usize,
+    pub path: PathBuf,
+    /// The path within the source's folder, parts set apart by `/`.
+    pub name: String,
+    pub format: Format,
+    pub subject: String,
+    /// Why it is not used, where the index says so.
+    pub set_aside: Option<String>,
+    pub split: Split,
+    /// Frames a second, for files that do not say.
+    pub frame_rate: Option<f64>,
+    /// What is done in it; `None` where the names of its clips say it.
+    pub text: Option<String>,
+}
+
+/// All files of all sources, in the order of the configuration and of their names.
+pub(super) fn find(config: &Config) -> Result<Vec<MotionFile>, TrainError> {
+    let mut all = Vec::new();
+    for (place, source) in config.sources.iter().enumerate() {
+        let index = source.index.as_deref().map(Index::read).transpose()?.unwrap_or_default();
+        let mut paths = Vec::new();
+        walk(&source.folder, 0, &mut paths)?;
+        paths.sort();
+        for path in paths {
+            all.extend(motion_file(place, source, &index, path));
+        }
+    }
+    Ok(all)
+}
+
+fn walk(folder: &Path, depth: usize, into: &mut Vec<PathBuf>) -> Result<(), TrainError> {
+    let failed = |cause| TrainError::File { path: folder.to_path_buf(), cause };
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        // Links are not followed: they could lead around in circles.
+        let kind = entry.file_type().map_err(failed)?;
+        if kind.is_dir() && depth < DEEPEST {
+            walk(&entry.path(), depth + 1, into)?;
+        } else if kind.is_file() {
+            into.push(entry.path());
+        }
+    }
+    Ok(())
+}
+
+fn motion_file(place: usize, source: &Source, index: &Index, path: PathBuf) -> Option<MotionFile> {
+    let format = Format::from_extension(path.extension()?.to_str()?)?;
+    let within = path.strip_prefix(&source.folder).ok()?;
+    let parts: Vec<&str> = within.iter().map(|part| part.to_str()).collect::<Option<_>>()?;
+    let name = parts.join("/");
+    let holds = |patterns: &[String]| patterns.iter().any(|pattern| name.contains(pattern.as_str()));
+    // A character of DeepMimic ends as its motions do: its readers tell them apart, but it is no motion.
+    if (!source.include.is_empty() && !holds(&source.include)) || holds(&source.exclude) {
+        return None;
+    }
+    let row = index.row(&path).cloned().unwrap_or_default();
+    let folder = parts.iter().rev().nth(1).copied();
+    let first = if parts.len() > 1 { parts.first().copied() } else { None };
+    let subject = row.subject.or_else(|| first.map(String::from)).unwrap_or_else(|| source.name.clone());
+    let stem = path.file_stem()?.to_str()?.to_string();
+    let many_clips = matches!(format, Format::Glb | Format::Gltf | Format::Vrm | Format::Vrma);
+    let text = match source.text {
+        TextFrom::Best if row.text.is_some() => row.text,
+        _ if source.words.is_some() => source.words.clone(),
+        TextFrom::Best if many_clips => None,
+        TextFrom::Best | TextFrom::FileName => Some(stem),
+        TextFrom::Folder => Some(folder.unwrap_or(&source.name).to_string()),
+        TextFrom::Nothing => Some(String::new()),
+    };
+    let by_subject = source.subjects.get(&subject).copied();
+    let (split, set_aside) = match row.split {
+        Some(Ok(split)) => (by_subject.unwrap_or(split), None),
+        Some(Err(word)) => (Split::Train, Some(word)),
+        None => (by_subject.unwrap_or(source.split), None),
+    };
+    Some(MotionFile {
+        source: place,
+        name,
+        format,
+        subject,
+        set_aside,
+        split,
+        frame_rate: row.frame_rate,
+        text,
+        path,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_known_by_folder_index_and_subject() {
+        let folder = tempfile::tempdir().unwrap();
+        let put = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        };
+        put("data/07/07_01.bvh", "");
+        put("data/07/notes.md", "");
+        put("data/35/35_02.amc", "");
+        put("data/WaveHand.bvh", "");
+        put("data/raw/x.bvh", "");
+        put("index.csv", "file,split,fps,description\n35_02.amc,duplicate,60,run\n");
+        put(
+            "corpus.toml",
+            "[[source]]\nname='d'\nfolder='data'\nlicence='free'\nindex='index.csv'\nexclude=['raw/']\nsplit='val'\n\
+             [source.subjects]\n07='test'\n",
+        );
+        let config = Config::read(&folder.path().join("corpus.toml")).unwrap();
+        let files = find(&config).unwrap();
+        let seen: Vec<_> = files
+            .iter()
+            .map(|file| (file.name.as_str(), file.subject.as_str(), file.split, file.text.as_deref()))
+            .collect();
+        assert_eq!(
+            seen,
+            [
+                ("07/07_01.bvh", "07", Split::Test, Some("07_01")),
+                ("35/35_02.amc", "35", Split::Train, Some("run")),
+                ("WaveHand.bvh", "d", Split::Val, Some("WaveHand")),
+            ]
+        );
+        assert_eq!(files[1].set_aside.as_deref(), Some("duplicate"));
+        assert_eq!(files[1].frame_rate, Some(60.0));
+    }
+}
