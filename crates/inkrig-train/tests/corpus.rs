@@ -39,9 +39,9 @@ fn tree(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
-            all.extend(tree(&path))
+            all.extend(tree(&path));
         } else {
-            all.push((path.clone(), std::fs::read(path).unwrap()))
+            all.push((path.clone(), std::fs::read(path).unwrap()));
         }
     }
     all.sort();
@@ -83,7 +83,7 @@ fn every_clip_is_in_the_corpus_or_said_why_not() {
     let across = |pose: &humanml::Joints| pose[20].x - pose[0].x;
     let apart = places.iter().zip(&image).map(|(own, image)| (across(own) + image[21].x - image[0].x).abs());
     assert!(apart.fold(0.0, f32::max) < 1e-3);
-    let lengths = |pose: &humanml::Joints| humanml::bone_lengths(pose).map(|bone| bone.length());
+    let lengths = |pose: &humanml::Joints| humanml::bone_lengths(pose).map(inkrig_motion::glam::Vec3::length);
     for (joint, bone) in built.statistics.body.iter().enumerate() {
         let length = bone.iter().map(|value| value * value).sum::<f32>().sqrt();
         assert!((lengths(&places[10])[joint] - length).abs() < 1e-3, "joint {joint}");
