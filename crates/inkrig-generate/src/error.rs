@@ -56,6 +56,17 @@ pub enum GenerateError {
         /// Rows that are possible.
         most: usize,
     },
+    /// Clips of one run that have different kinds of conditions.
+    #[error(
+        "clips that are generated at once must all have a trajectory or none, a key pose or none, and be drawn in space or all on the picture: generate the others in a run of their own"
+    )]
+    MixedConditions,
+    /// A configuration that cannot be read.
+    #[error("the configuration cannot be read: {reason}")]
+    Configuration {
+        /// What and where.
+        reason: String,
+    },
     /// A setting that makes no sense.
     #[error("{setting} is {value}, but must be {needed}")]
     Setting {

@@ -37,11 +37,11 @@ impl Corrections {
         &self.blocks
     }
 
-    /// Those of more samples behind these: nothing, for samples that are not controlled.
-    pub fn with_zeros(mut self, samples: usize) -> Self {
+    /// Those of `more` samples behind the `samples` that they are of: nothing, for samples that are not controlled.
+    pub(crate) fn with_zeros(mut self, more: usize, samples: usize) -> Self {
         for block in &mut self.blocks {
             let each = block.len() / samples.max(1);
-            block.resize(block.len() + each * samples, 0.0);
+            block.resize(block.len() + each * more, 0.0);
         }
         self
     }

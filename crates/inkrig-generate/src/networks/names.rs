@@ -2,6 +2,7 @@
 //! dictionary.
 
 use super::Sizes;
+use crate::weights::Tensors;
 use inkrig_motion::humanml::{JOINTS, WIDTH};
 
 /// Numbers of a key pose, or of a frame of a trajectory: 22 joints in space.
@@ -36,6 +37,17 @@ impl Parts {
     pub const ALL: Self = Self { vae: true, denoiser: true, control: true, control_2d: true };
     /// The VAE alone.
     pub const VAE: Self = Self { vae: true, denoiser: false, control: false, control_2d: false };
+
+    /// Those that some weights are of, by one name of each.
+    pub fn of(weights: &Tensors) -> Self {
+        let has = |name: &str| weights.get(name).is_some();
+        Self {
+            vae: has("vae.final_layer.weight"),
+            denoiser: has("denoiser.denoiser.emb_proj.1.weight"),
+            control: has("controlnet.controlnet_cond_embedding.0.weight"),
+            control_2d: has("traj_encoder_2d.skel_embedding.weight"),
+        }
+    }
 }
 
 /// All tensors of the parts of a model, in the order of the networks.

@@ -1,0 +1,10 @@
+//! Guidance at inference: clips that shall meet drawn trajectories are moved towards them while they are denoised.
+
+mod guide;
+mod lbfgs;
+mod places;
+mod target;
+
+pub use guide::{GuidanceOptions, Guide, Guided, GuidedClip, Method, Variable};
+pub use lbfgs::{Lbfgs, LbfgsOptions, Objective};
+pub use target::{Ask, Mean, Target, View};
