@@ -79,7 +79,7 @@ fn run(vectors: &Vectors, name: &str, semantics: Semantics) -> Option<()> {
     let mut joints = Vec::new();
     for clip in rows.chunks_exact(40 * WIDTH) {
         let places = recover_positions(&Features::new(clip.to_vec(), WIDTH).unwrap()).unwrap();
-        joints.extend(places.iter().flatten().flat_map(|place| place.to_array()));
+        joints.extend(places.iter().flatten().flat_map(Vec3::to_array));
     }
     assert_near(&format!("{name} joints"), &joints, &vectors.numbers(&format!("{name}.joints")), 5e-4);
     Some(())

@@ -78,7 +78,8 @@ fn places_are_recovered_as_from_a_file() {
     for clip in 0..2 {
         let rows = features[clip * 30 * WIDTH..][..30 * WIDTH].to_vec();
         let expected = recover_positions(&Features::new(rows, WIDTH).unwrap()).unwrap();
-        let expected: Vec<f32> = expected.iter().flatten().flat_map(|p| p.to_array()).collect();
+        let expected: Vec<f32> =
+            expected.iter().flatten().flat_map(inkrig_motion::glam::Vec3::to_array).collect();
         assert!(off(&places[clip * 30 * 66..][..30 * 66], &expected) < 1e-5);
     }
 }
