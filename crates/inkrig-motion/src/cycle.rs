@@ -3,6 +3,10 @@
 //! In a loop of n frames the frame after the last is the first, further on; no frame stands there twice. A loop may
 //! travel and turn.
 
+mod laps;
+
+pub use laps::laps;
+
 use crate::channels::PoseChannels;
 use crate::ground::continued;
 use crate::{Clip, MotionError, VelocityFrame, kinematics, root::RootMotion, time};

@@ -25,11 +25,13 @@ pub use inkrig_transport as transport;
 
 pub mod bench;
 pub mod cli;
+mod clip_path;
 pub mod commands;
 pub mod console;
 pub mod error;
 mod guide;
 pub mod load;
+mod main_axes;
 mod map_picture;
 pub mod names;
 mod numbers;

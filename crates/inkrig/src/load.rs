@@ -1,6 +1,7 @@
 //! Files in: motion and drawings, with limits.
 
 use crate::cli::{ImportArgs, Up};
+use crate::clip_path;
 use crate::error::CliError;
 use crate::printable;
 use inkrig_formats::{
@@ -13,11 +14,13 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// Reads a motion file.
+/// Reads a motion file, or the clip of it that is named as in `wolf.glb#Gallop`.
 ///
 /// # Errors
 /// When it is not there, too large, of an unknown kind, or not understood.
 pub fn motion(path: &Path, args: &ImportArgs) -> Result<Import, CliError> {
+    let (path, clip) = clip_path::split(path);
+    let (path, clip) = (path.as_path(), clip.as_ref().or(args.clip.as_ref()));
     let known = "known motion files: .bvh, .fbx, .glb, .gltf, .vrm, .vrma, .amc (with its .asf), DeepMimic's .txt or .json";
     let format = extension(path)
         .and_then(|extension| Format::from_extension(&extension))
@@ -35,7 +38,7 @@ pub fn motion(path: &Path, args: &ImportArgs) -> Result<Import, CliError> {
         }),
         frame_rate: args.source_fps,
         skeleton: companion.map(|path| bytes(&path, most)).transpose()?,
-        clip: args.clip.as_deref().map(clip_choice),
+        clip: clip.map(|clip| clip_choice(clip)),
         ..ImportOptions::default()
     };
     let bytes = bytes(path, options.limits.bytes)?;

@@ -1,5 +1,6 @@
 //! A result for people: words, a page, a contact sheet.
 
+use crate::main_axes::main_axes;
 use crate::preview::{self, ControlView, Figure, Guide, HeatMap, Preview};
 use crate::printable::{self, counted, fixed};
 use crate::sheet::{SheetError, SheetOptions, contact_sheet};
@@ -54,11 +55,14 @@ pub(crate) fn sheet(alignment: &Alignment, control: &Control) -> Result<Vec<u8>,
 }
 
 /// The control as a line to look at: a curve as it is (its first two numbers), a single value over time, a label's
-/// number over time, of a sound its level over time.
+/// number over time, of a sound its level over time, of a motion its poses along their two main axes.
 fn points(control: &Control) -> Vec<[f64; 2]> {
     /// Width of a line over time, in heights.
     const WIDTH: f64 = 2.5;
     let features = &control.features;
+    if control.kind == ControlKind::Motion {
+        return main_axes(features);
+    }
     let along = |frame: usize| WIDTH * frame as f64 / features.frames().max(2) as f64;
     let largest =
         |row: &[f32]| row.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(index, _)| index);

@@ -38,6 +38,12 @@ pub(crate) fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>, CliError> {
     Ok(all)
 }
 
+/// Whether a name is as a pattern says: `*` for any letters, `?` for one.
+pub(crate) fn is_like(pattern: &str, name: &str) -> bool {
+    let letters = |text: &str| text.chars().collect::<Vec<_>>();
+    fits(&letters(pattern), &letters(name))
+}
+
 /// Whether a name is as a pattern says: `*` for any letters, `?` for one. Files that begin with a dot are hidden.
 fn fits(pattern: &[char], name: &[char]) -> bool {
     if name.first() == Some(&'.') && pattern.first() != Some(&'.') {

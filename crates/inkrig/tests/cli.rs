@@ -3,6 +3,8 @@
 
 #[path = "cli/bench.rs"]
 mod bench;
+#[path = "cli/clips.rs"]
+mod clips;
 #[path = "cli/controls.rs"]
 mod controls;
 #[path = "cli/convert.rs"]

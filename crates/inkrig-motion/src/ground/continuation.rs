@@ -38,3 +38,25 @@ pub(crate) fn continued(clip: &Clip) -> Result<Clip, MotionError> {
     moves.push(GroundMove { turn, from: places[0], to: next });
     move_over_ground(&longer, joint, &moves)
 }
+
+/// A loop several times over, each round where the one before it ends. `closed` says that the last frame is the first one
+/// again, where the next round begins; it is left out between rounds. At least two frames.
+pub(crate) fn rounds(clip: &Clip, times: usize, closed: bool) -> Result<Clip, MotionError> {
+    let raw = TravelOptions { smoothing_seconds: 0.0, cyclic: false };
+    let Trajectory { joint, places, headings, .. } = Trajectory::of(clip, &raw);
+    let frames = clip.frames() - usize::from(closed);
+    let round = if closed {
+        Continuation { turn: headings[frames] - headings[0], next: places[frames] }
+    } else {
+        Continuation::of(&places, &headings)
+    };
+    let mut moves = Vec::with_capacity(frames * times);
+    let mut to = places[0];
+    for number in 0..times {
+        let turn = number as f64 * round.turn;
+        moves.resize(moves.len() + frames, GroundMove { turn, from: places[0], to });
+        to = round.next + turned(to - places[0], round.turn);
+    }
+    let order: Vec<f64> = (0..frames * times).map(|frame| (frame % frames) as f64).collect();
+    move_over_ground(&time::sample_at(clip, &order, clip.frame_rate())?, joint, &moves)
+}

@@ -16,7 +16,7 @@ mod spine;
 mod trajectory;
 
 pub use contacts::{Contacts, Slide};
-pub(crate) use continuation::continued;
+pub(crate) use continuation::{continued, rounds};
 pub use follow::{Followed, PathOptions, Route, follow_path};
 pub use in_place::in_place;
 pub use path::GroundPath;

@@ -116,7 +116,7 @@ pub(super) fn words(mut tokens: Vec<String>) -> Words {
 }
 
 /// Words by anything that is no letter or digit, by upper case after lower case, and by digits.
-fn split(name: &str) -> Vec<String> {
+pub(super) fn split(name: &str) -> Vec<String> {
     let mut tokens: Vec<String> = Vec::new();
     let (mut open, mut before) = (false, ' ');
     let letters: Vec<char> = name.chars().take(256).collect();

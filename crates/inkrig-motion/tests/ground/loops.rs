@@ -1,7 +1,7 @@
 //! Exact loops.
 
 use super::build::{clips, walker, yaw};
-use inkrig_motion::cycle::{LoopOptions, make_loop, resample_loop, seam_ratio};
+use inkrig_motion::cycle::{LoopOptions, laps, make_loop, resample_loop, seam_ratio};
 use inkrig_motion::{MotionError, kinematics, time};
 use proptest::prelude::*;
 
@@ -78,4 +78,23 @@ proptest! {
             Err(other) => prop_assert!(false, "{other}"),
         }
     }
+}
+
+#[test]
+fn a_loop_goes_on_as_often_as_asked() {
+    // A walk of 30 frames a round that turns; without and with its first pose once more at the end.
+    let walk = walker(300, 0.4);
+    let place = |clip: &inkrig_motion::Clip, frame: usize| kinematics::positions(clip).frame(frame).to_vec();
+    for frames in [30, 31] {
+        let round = time::trim(&walk, 0..frames).unwrap();
+        let long = laps(&round, 8).unwrap().unwrap();
+        assert_eq!(long.frames(), 240);
+        for frame in [0, 29, 30, 75, 239] {
+            for (a, b) in place(&long, frame).iter().zip(place(&walk, frame)) {
+                assert!(a.distance(b) < 0.02, "frame {frame} of {frames}: {a} {b}");
+            }
+        }
+    }
+    assert_eq!(laps(&time::trim(&walk, 0..46).unwrap(), 3).unwrap(), None, "its ends do not meet");
+    assert_eq!(laps(&time::trim(&walk, 0..3).unwrap(), 3).unwrap(), None);
 }

@@ -18,6 +18,9 @@ Examples:
   inkrig align walk.bvh run.bvh --like horse.bvh --loop -o new.bvh
       two clips of one skeleton move as a horse does, in a loop
 
+  inkrig align wolf.glb#Walk wolf.glb#Gallop --laps 6 --like hero.glb#Run -o new.glb
+      loops of a game character, six rounds of each, move as another file's clip does
+
   inkrig align walk.bvh --wave 'sine(0.5Hz..2Hz) for 10s' -o new.bvh
       a movement that comes and goes, faster and faster
   inkrig align person.bvh --labels 'A:3s B:2s A:3s' --key '4s=frame:320' -o new.bvh
@@ -32,7 +35,8 @@ Curves: JSON ([[x,y],...] or [[x,y,t],...]), CSV (x,y or x,y,t; n rows without t
 /// Arguments of `inkrig align`.
 #[derive(Debug, Args)]
 pub struct AlignArgs {
-    /// The clip to arrange: a BVH file with any skeleton; or several of one skeleton
+    /// The clip to arrange: a motion file with any skeleton, or several of one skeleton; of a file that holds several
+    /// clips, one (wolf.glb#Gallop) or all that fit ('wolf.glb#Idle*')
     #[arg(value_name = "CLIP", required = true, value_hint = ValueHint::FilePath)]
     pub clips: Vec<PathBuf>,
     #[command(flatten)]
@@ -69,6 +73,9 @@ pub struct AlignArgs {
     /// Use only a part of the clip (of every clip): frames of the file or seconds
     #[arg(long, value_name = "FROM..TO")]
     pub range: Option<Span>,
+    /// Play clips that are loops so many times: walks and idles of game characters are a second or two
+    #[arg(long, value_name = "TIMES", default_value_t = 1, value_parser = numbers::times, allow_negative_numbers = true)]
+    pub laps: usize,
     /// Length of the result (of each time with --repeat): frames of 30 a second, or seconds, at most an hour; else the curve's own
     #[arg(long, value_name = "300|10s", value_parser = numbers::length, allow_negative_numbers = true)]
     pub length: Option<Length>,
@@ -173,7 +180,7 @@ pub struct ControlArgs {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "What to follow")]
     pub sound: Option<PathBuf>,
     /// Follow another motion, of any skeleton
-    #[arg(long, value_name = "FILE.bvh", value_hint = ValueHint::FilePath, help_heading = "What to follow")]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "What to follow")]
     pub like: Option<PathBuf>,
 }
 

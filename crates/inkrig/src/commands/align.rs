@@ -14,7 +14,7 @@ use crate::output::Output;
 use crate::over_ground::OverGround;
 use crate::results::{self, Made, Places};
 use crate::span::Span;
-use crate::{load, names, printable, span};
+use crate::{clip_path, load, names, printable, span};
 use inkrig_align::{Alternative, Control, Norm, Options, align, alternatives, keys_on_map};
 use inkrig_formats::{Import, SourceInfo};
 use inkrig_motion::{Clip, MotionError, Takes, cycle, time};
@@ -31,7 +31,7 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
     let over_ground = OverGround::of(&args.root)?;
     let mut warnings = Vec::new();
     let Sources { takes: source, first, parts } =
-        source(&args.clips, args.range, &args.import, console, &mut warnings)?;
+        source(&args.clips, args.range, args.laps, &args.import, console, &mut warnings)?;
     let control =
         control(args, &options, |path| Ok(motion(path, &args.import, console, &mut warnings)?.clip))?;
     let rate = args.fps.unwrap_or_else(|| source.clip().frame_rate());
@@ -235,14 +235,16 @@ pub(super) struct Sources {
     pub(super) parts: Vec<(PathBuf, f64, usize)>,
 }
 
-/// Reads the clips to arrange.
+/// Reads the clips to arrange; those that are loops are played `laps` times.
 pub(super) fn source(
     paths: &[PathBuf],
     range: Option<Span>,
+    laps: usize,
     options: &ImportArgs,
     console: &Console,
     warnings: &mut Vec<String>,
 ) -> Result<Sources, CliError> {
+    let paths = &clip_path::expand(paths, options)?;
     let mut first = None;
     let mut parts = Vec::with_capacity(paths.len());
     let mut clips = Vec::with_capacity(paths.len());
@@ -251,7 +253,12 @@ pub(super) fn source(
         let rate = import.clip.frame_rate();
         let start = range.and_then(|range| range.start).map_or(0, |start| start.frames(rate));
         parts.push((path.clone(), rate, start));
-        clips.push(cut(import.clip, path, range)?);
+        let clip = cut(import.clip, path, range)?;
+        let again = if laps > 1 { cycle::laps(&clip, laps)? } else { None };
+        if laps > 1 && again.is_none() {
+            console.say(format!("{} is no loop: it is used once", printable::path(path)))?;
+        }
+        clips.push(again.unwrap_or(clip));
         first.get_or_insert(import.source);
     }
     let takes = Takes::join(&clips).map_err(|error| match error {
@@ -296,6 +303,7 @@ fn check_names(args: &AlignArgs, inputs: &[PathBuf], output: Output) -> Result<(
     results::format_of(&args.out)?;
     let names: Vec<Numbered> = (0..args.solutions).map(|index| Numbered::of(args, index)).collect();
     let places = || names.iter().flat_map(|names| names.places().all());
+    let inputs = clip_path::files(inputs.iter().map(PathBuf::as_path));
     names::all_differ(inputs.iter().map(PathBuf::as_path).chain(places()))?;
     for path in places() {
         output.check(path)?;
@@ -305,14 +313,14 @@ fn check_names(args: &AlignArgs, inputs: &[PathBuf], output: Output) -> Result<(
 
 fn title(args: &AlignArgs) -> String {
     let control = match args.control.file() {
-        Some(path) => name(&path),
+        Some(path) => clip_path::name(&path),
         None => args.control.text().unwrap_or_default().to_string(),
     };
     format!("{} follows {control}", clip_names(args).join(", "))
 }
 
 fn clip_names(args: &AlignArgs) -> Vec<String> {
-    args.clips.iter().map(|path| name(path)).collect()
+    args.clips.iter().map(|path| clip_path::name(path)).collect()
 }
 
 fn name(path: &Path) -> String {

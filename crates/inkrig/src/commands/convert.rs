@@ -8,7 +8,7 @@ use crate::output::{Output, OutputError};
 use crate::over_ground::{OverGround, OverGroundRecord};
 use crate::printable::{self, counted, fixed, json_path};
 use crate::span::seconds;
-use crate::{load, names, results, wildcard};
+use crate::{clip_path, load, names, results, wildcard};
 use inkrig_formats::{ExportOptions, Format, Import, write_motion};
 use inkrig_motion::cycle::{LoopOptions, make_loop};
 use inkrig_motion::{lead_in, time};
@@ -82,7 +82,8 @@ impl Job<'_> {
     fn one(&self, input: &Path, console: &Console) -> Result<(), CliError> {
         let out = &self.args.out;
         let format = results::format_of(out)?;
-        names::all_differ(self.files().chain([input, out.as_path()]))?;
+        let file = clip_path::split(input).0;
+        names::all_differ(self.files().chain([file.as_path(), out.as_path()]))?;
         self.output.check(out)?;
         let stage = console.stage(format!("converting {}", printable::path(input)));
         let import = load::motion(input, &self.args.import)?;

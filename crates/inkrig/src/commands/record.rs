@@ -140,6 +140,7 @@ fn key_arguments(args: &AlignArgs) -> Vec<String> {
 struct Parameters {
     preset: &'static str,
     range: Option<String>,
+    laps: usize,
     length: Option<String>,
     fps: Option<f64>,
     uniform: bool,
@@ -182,6 +183,7 @@ impl Parameters {
                 PresetArg::Natural => "natural",
             },
             range: args.range.map(|range| range.to_string()),
+            laps: args.laps,
             length: args.length.map(|length| length.to_string()),
             fps: args.fps,
             uniform: args.uniform,

@@ -9,7 +9,7 @@ use crate::output::Output;
 use crate::printable::{self, counted, fixed, json_path};
 use crate::sheet::{SheetOptions, contact_sheet};
 use crate::span::seconds;
-use crate::{load, names, results};
+use crate::{clip_path, load, names, results};
 use inkrig_formats::{ExportOptions, Import, write_motion};
 use inkrig_motion::retarget::{
     Certificate, CertificateLimits, RetargetError, RetargetOptions, Retargeted, retarget, standing_pose,
@@ -104,10 +104,10 @@ fn check_names(args: &RetargetArgs, output: Output) -> Result<(), CliError> {
         let more = [&args.report, &args.sheet].into_iter().flatten().map(PathBuf::as_path);
         std::iter::once(args.out.as_path()).chain(more)
     };
-    let inputs = [args.motion.as_path(), args.onto.as_path()];
+    let inputs = [&args.motion, &args.onto].map(|path| clip_path::split(path).0);
     // One file may be both motion and character.
-    for input in inputs {
-        names::all_differ(std::iter::once(input).chain(places()))?;
+    for input in &inputs {
+        names::all_differ(std::iter::once(input.as_path()).chain(places()))?;
     }
     for path in places() {
         output.check(path)?;

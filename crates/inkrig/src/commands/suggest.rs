@@ -10,7 +10,7 @@ use crate::map_picture::{self, Canvas};
 use crate::output::Output;
 use crate::printable::{self, fixed, json_path};
 use crate::sheet::{SheetOptions, contact_sheet};
-use crate::{load, names};
+use crate::{clip_path, load, names};
 use inkrig_align::Options;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -22,12 +22,13 @@ pub(super) fn run(args: &SuggestArgs, console: &Console) -> Result<(), CliError>
         Some(path) => is_svg(path)?,
         None => false,
     };
-    names::all_differ(args.clips.iter().map(PathBuf::as_path).chain(results()))?;
+    let files = clip_path::files(args.clips.iter().map(PathBuf::as_path));
+    names::all_differ(files.iter().map(PathBuf::as_path).chain(results()))?;
     for path in results() {
         output.check(path)?;
     }
     let mut warnings = Vec::new();
-    let source = source(&args.clips, args.range, &args.import, console, &mut warnings)?.takes;
+    let source = source(&args.clips, args.range, 1, &args.import, console, &mut warnings)?.takes;
     let stage = console.stage("looking for poses");
     let options = Options { threads: settings::threads(args.threads), ..Options::default() };
     let suggestions = Suggestions::of(&source, &options, args.count)?;

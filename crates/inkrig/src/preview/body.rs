@@ -1,7 +1,7 @@
 //! What is drawn of a character: which joints, limbs between them with a thickness, and which side they are on.
 
 use super::sides::{Side, sides};
-use inkrig_motion::{Clip, Skeleton, glam::Vec3};
+use inkrig_motion::{Clip, Skeleton, glam::Vec3, rig};
 use serde::Serialize;
 
 /// A tapered capsule between two joints of a [`Body`]; a ball when both are the same.
@@ -35,18 +35,20 @@ pub(crate) struct Body {
 
 impl Body {
     /// Limbs for the character of `clip`. Of a skeleton with more than `most` joints those are drawn that carry
-    /// the longest chains.
+    /// the longest chains; never those that only steer others.
     pub(crate) fn of(clip: &Clip, most: usize) -> Self {
         let skeleton = clip.skeleton();
-        let weights = weights(skeleton);
-        let joints = heaviest(&weights, most.max(1));
+        let controls = rig::controls(skeleton);
+        let weights = weights(skeleton, &controls);
+        let joints = heaviest(&weights, &controls, most.max(1));
         let sides = sides(skeleton);
-        let size = size(clip);
+        let size = size(clip, &controls);
         let travel_joint = clip.travel_joint();
         let roots = roots(skeleton);
         let own = joints.iter().map(|&joint| roots[joint] == roots[travel_joint]).collect();
         let mut body = Self { joints, own, limbs: Vec::new(), pair: None, size, travel_joint };
-        body.limbs = body.find_limbs(skeleton, &weights, &sides);
+        body.limbs =
+            body.find_limbs(skeleton, &weights, &carriers(skeleton, &controls, travel_joint), &sides);
         body.pair = body.find_pair(skeleton, &sides);
         body
     }
@@ -60,10 +62,9 @@ impl Body {
         (forward.length() > 0.3).then(|| forward.normalize())
     }
 
-    fn find_limbs(&self, skeleton: &Skeleton, weights: &[f32], sides: &[Side]) -> Vec<Limb> {
+    fn find_limbs(&self, skeleton: &Skeleton, weights: &[f32], hidden: &[bool], sides: &[Side]) -> Vec<Limb> {
         let total: f32 = (skeleton.roots().map(|root| weights[root])).sum::<f32>().max(f32::MIN_POSITIVE);
         let radius = |weight: f32| self.size * (0.066 * (weight / total).sqrt()).clamp(0.008, 0.05);
-        let hidden = carriers(skeleton, self.travel_joint);
         let joints = skeleton.joints();
         let mut limbs = Vec::new();
         let mut bare = vec![true; self.joints.len()];
@@ -143,10 +144,10 @@ fn roots(skeleton: &Skeleton) -> Vec<usize> {
 }
 
 /// Length of everything that hangs below each joint, metres.
-fn weights(skeleton: &Skeleton) -> Vec<f32> {
+fn weights(skeleton: &Skeleton, controls: &[bool]) -> Vec<f32> {
     let mut weights = vec![0.0_f32; skeleton.len()];
     for (index, joint) in skeleton.joints().iter().enumerate().rev() {
-        if let Some(parent) = joint.parent {
+        if let Some(parent) = joint.parent.filter(|_| !controls[index]) {
             let carried = weights[index] + joint.offset.length();
             weights[parent] += if carried.is_finite() { carried } else { 0.0 };
         }
@@ -156,8 +157,8 @@ fn weights(skeleton: &Skeleton) -> Vec<f32> {
 
 /// The `most` joints with the largest weights, rising. A parent is never lighter than its child, so what is kept
 /// hangs together.
-fn heaviest(weights: &[f32], most: usize) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..weights.len()).collect();
+fn heaviest(weights: &[f32], controls: &[bool], most: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..weights.len()).filter(|&joint| !controls[joint]).collect();
     order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]).then(a.cmp(&b)));
     order.truncate(most);
     order.sort_unstable();
@@ -166,11 +167,13 @@ fn heaviest(weights: &[f32], most: usize) -> Vec<usize> {
 
 /// The joints whose limb to the parent only places the character in the world: the travelling joint, what stands
 /// above it, and hips that hang alone below a root.
-fn carriers(skeleton: &Skeleton, travel_joint: usize) -> Vec<bool> {
+fn carriers(skeleton: &Skeleton, controls: &[bool], travel_joint: usize) -> Vec<bool> {
     let joints = skeleton.joints();
     let mut children = vec![0_usize; joints.len()];
-    for parent in joints.iter().filter_map(|joint| joint.parent) {
-        children[parent] += 1;
+    for (joint, _) in joints.iter().zip(controls).filter(|(_, control)| !**control) {
+        if let Some(parent) = joint.parent {
+            children[parent] += 1;
+        }
     }
     let mut hidden = vec![false; joints.len()];
     let mut above = Some(travel_joint);
@@ -185,17 +188,20 @@ fn carriers(skeleton: &Skeleton, travel_joint: usize) -> Vec<bool> {
     hidden
 }
 
-/// The character's size: that of the rest pose, or of the first pose when the rest pose is a point.
-fn size(clip: &Clip) -> f32 {
+/// The character's size: that of the rest pose, or of the first pose when the rest pose is a point or joints that
+/// steer others stand in it.
+fn size(clip: &Clip, controls: &[bool]) -> f32 {
     let usable = |size: f32| (size.is_normal() && size > 0.0).then_some(size.clamp(1e-6, 1e9));
     let posed = || {
         let mut pose = inkrig_motion::kinematics::Pose::new(clip.skeleton());
         pose.set(clip, 0);
-        let low = pose.positions.iter().copied().fold(Vec3::MAX, Vec3::min);
-        let high = pose.positions.iter().copied().fold(Vec3::MIN, Vec3::max);
+        let own = pose.positions.iter().zip(controls).filter(|(_, control)| !**control);
+        let (low, high) =
+            own.fold((Vec3::MAX, Vec3::MIN), |(low, high), (place, _)| (low.min(*place), high.max(*place)));
         (high - low).max_element()
     };
-    usable(clip.skeleton().extent()).or_else(|| usable(posed())).unwrap_or(1.0)
+    let rest = Some(clip.skeleton().extent()).filter(|_| !controls.contains(&true)).and_then(usable);
+    rest.or_else(|| usable(posed())).unwrap_or(1.0)
 }
 
 #[cfg(test)]
@@ -243,6 +249,24 @@ mod tests {
         let ends: Vec<_> = body.limbs.iter().map(|limb| (limb.from, limb.to)).collect();
         assert_eq!(ends, [(1, 2), (1, 3), (4, 4)]);
         assert!(body.limbs.iter().all(|limb| limb.from_radius > 0.0 && limb.to_radius > 0.0));
+    }
+
+    #[test]
+    fn what_steers_is_not_drawn() {
+        let body = Body::of(
+            &clip_of(vec![
+                Joint::new("Body", None, Vec3::ZERO),
+                Joint::new("Hips", Some(0), Vec3::Y),
+                Joint::new("Spine", Some(1), Vec3::Y),
+                Joint::new("Leg", Some(1), -Vec3::Y),
+                Joint::new("PoleTarget.L", Some(0), Vec3::Z * 30.0),
+                Joint::new("PoleTarget.L_end", Some(4), Vec3::Z),
+            ]),
+            10,
+        );
+        let ends: Vec<_> = body.limbs.iter().map(|limb| (limb.from, limb.to)).collect();
+        assert_eq!((body.joints.as_slice(), ends.as_slice()), (&[0, 1, 2, 3][..], &[(1, 2), (1, 3)][..]));
+        assert_eq!(body.size, 2.0);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::parts::{Parts, Target};
 use inkrig_motion::{
     Clip, Joint, Skeleton,
     glam::{Quat, Vec3},
+    rig,
 };
 use serde_json::{Value, json};
 use std::f32::consts::{FRAC_PI_2, TAU};
@@ -48,12 +49,13 @@ struct Limb {
 fn limbs(clip: &Clip) -> Vec<Limb> {
     let skeleton = clip.skeleton();
     let joints = skeleton.joints();
-    let size = Some(skeleton.extent()).filter(|size| size.is_normal()).unwrap_or(1.0);
-    let carried = carried(skeleton);
+    let controls = rig::controls(skeleton);
+    let size = size(skeleton, &controls);
+    let carried = carried(skeleton, &controls);
     let total = skeleton.roots().filter_map(|root| carried.get(root)).sum::<f32>().max(f32::MIN_POSITIVE);
     // Thickness follows what a limb carries, as in a tree.
     let radius = |length: f32| size * (0.066 * (length / total).sqrt()).clamp(0.008, 0.05);
-    let hidden = carriers(clip);
+    let hidden = carriers(clip, &controls);
     let mut bare = vec![true; joints.len()];
     let mut limbs = Vec::new();
     for (to, joint) in joints.iter().enumerate() {
@@ -91,13 +93,24 @@ fn is_head(joint: &Joint) -> bool {
     joint.parent.is_some() && !joint.end_site && joint.name.to_ascii_lowercase().ends_with("head")
 }
 
+/// The figure's size at rest, metres, without what steers it.
+fn size(skeleton: &Skeleton, controls: &[bool]) -> f32 {
+    let places = skeleton.rest_positions();
+    let own = || places.iter().zip(controls).filter(|(_, control)| !**control).map(|(place, _)| *place);
+    let (low, high) = (own().fold(Vec3::MAX, Vec3::min), own().fold(Vec3::MIN, Vec3::max));
+    let size = if controls.contains(&true) { (high - low).max_element() } else { skeleton.extent() };
+    if size.is_normal() { size } else { 1.0 }
+}
+
 /// Length of all that hangs below each joint, metres.
-fn carried(skeleton: &Skeleton) -> Vec<f32> {
+fn carried(skeleton: &Skeleton, controls: &[bool]) -> Vec<f32> {
     let mut carried = vec![0.0_f32; skeleton.len()];
     for (index, joint) in skeleton.joints().iter().enumerate().rev() {
         let length = carried.get(index).copied().unwrap_or(0.0) + joint.offset.length();
-        if let Some(slot) =
-            joint.parent.and_then(|parent| carried.get_mut(parent)).filter(|_| length.is_finite())
+        if let Some(slot) = joint
+            .parent
+            .and_then(|parent| carried.get_mut(parent))
+            .filter(|_| length.is_finite() && controls.get(index) != Some(&true))
         {
             *slot += length;
         }
@@ -106,8 +119,8 @@ fn carried(skeleton: &Skeleton) -> Vec<f32> {
 }
 
 /// Joints whose way from the parent only places the figure in the world: the travelling one, what stands above it, and
-/// hips that hang alone below a root.
-fn carriers(clip: &Clip) -> Vec<bool> {
+/// hips that hang alone below a root; and what only steers others.
+fn carriers(clip: &Clip, controls: &[bool]) -> Vec<bool> {
     let skeleton = clip.skeleton();
     let travelling = clip.travel_joint();
     let mut hidden = skeleton.ancestors(travelling);
@@ -116,10 +129,13 @@ fn carriers(clip: &Clip) -> Vec<bool> {
     }
     let joints = skeleton.joints();
     let mut children = vec![0_usize; joints.len()];
-    for parent in joints.iter().filter_map(|joint| joint.parent) {
-        if let Some(count) = children.get_mut(parent) {
+    for (joint, _) in joints.iter().zip(controls).filter(|(_, control)| !**control) {
+        if let Some(count) = joint.parent.and_then(|parent| children.get_mut(parent)) {
             *count += 1;
         }
+    }
+    for (slot, _) in hidden.iter_mut().zip(controls).filter(|(_, control)| **control) {
+        *slot = true;
     }
     let count = |joint: usize| children.get(joint).copied().unwrap_or(0);
     for (index, joint) in joints.iter().enumerate() {
