@@ -94,8 +94,12 @@ fn follow(source: &Source<'_>, like: &str, times: usize, slower: f64) -> Option<
     control.rate /= slower;
     let control = control.repeated(times).unwrap();
     let report = align(&takes, &control, &options, &mut |_| ControlFlow::Continue(())).unwrap().report;
-    let source = format!("{} x{}", paths.join(" "), source.laps);
-    println!("{like} x{times}, {slower} times as long, on {source}:");
+    let what = if source.file.is_empty() { source.clips.join(" ") } else { source.file.to_string() };
+    println!(
+        "{like} {times} times, {slower} times as long, on {} clips of {what}, {} laps:",
+        source.clips.len(),
+        source.laps
+    );
     println!(
         "    structure {:.2} (stretched {:.2}), nearest {:.2}, speed {:.2}, jump {:.2}, {} of {} frames",
         report.structure_pearson,

@@ -6,8 +6,9 @@ use crate::{Clip, MotionError};
 
 /// From its last pose to its first a loop goes no further than so many of its ordinary steps.
 const OPEN: f64 = 2.5;
-/// A last pose nearer to the first than this part of a step is the first again, as files of game characters have it.
-const CLOSED: f64 = 0.25;
+/// A last pose nearer to the first than this part of the steps before and after is the first again, as files of game
+/// characters have it.
+const CLOSED: f64 = 0.5;
 /// Of the character's size: what stands as still as this is alike.
 const STILL: f64 = 1e-4;
 
@@ -23,11 +24,12 @@ pub fn laps(clip: &Clip, times: usize) -> Result<Option<Clip>, MotionError> {
     let poses = Poses::of(clip);
     let last = clip.frames() - 1;
     let mut steps: Vec<f64> = (0..last).map(|frame| poses.distance(frame, frame + 1)).collect();
+    let around = 0.5 * (steps[0] + steps[last - 1]);
     let step = *steps.select_nth_unstable_by(last / 2, f64::total_cmp).1;
     let still = STILL * f64::from(clip.skeleton().extent());
     let apart = poses.distance(last, 0);
     if apart > (OPEN * step).max(still) {
         return Ok(None);
     }
-    rounds(clip, times.max(1), apart <= (CLOSED * step).max(still)).map(Some)
+    rounds(clip, times.max(1), apart <= (CLOSED * around).max(still)).map(Some)
 }

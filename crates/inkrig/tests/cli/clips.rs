@@ -46,7 +46,8 @@ fn a_short_loop_is_played_as_often_as_asked() {
     assert_eq!((&once["source_frames"], &often["source_frames"]), (&33.into(), &198.into()));
     assert_eq!((&often["parameters"]["laps"], &often["frames"]), (&6.into(), &120.into()));
     // What is no loop is used once, and said.
-    let output =
-        inkrig(&folder, &["align", "person.bvh", "--laps", "2", "--curve", "circles.csv", "-o", "p.bvh"]);
+    let arguments =
+        ["align", "person.bvh", "--laps", "2", "--curve", "circles.csv", "-o", "p.bvh", "--range", "3s..6s"];
+    let output = inkrig(&folder, &arguments);
     assert!(text(&output.stdout).contains("person.bvh is no loop"), "{}", text(&output.stdout));
 }
