@@ -4,9 +4,12 @@
 //! ([`inkrig_motion::humanml`]). Everything here is plain data in, plain data out; files are read elsewhere.
 
 pub mod blending;
+pub mod checkpoint;
 pub mod configuration;
 mod error;
 pub mod guidance;
+pub mod losses;
+pub mod measures;
 pub mod networks;
 mod numeric;
 pub mod sampling;
@@ -16,4 +19,5 @@ pub mod text;
 pub mod trainable;
 pub mod weights;
 
+pub use checkpoint::CheckpointError;
 pub use error::GenerateError;

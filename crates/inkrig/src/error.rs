@@ -7,6 +7,7 @@ use crate::printable;
 use crate::sheet::SheetError;
 use inkrig_align::AlignError;
 use inkrig_formats::FormatError;
+use inkrig_generate::CheckpointError;
 use inkrig_motion::MotionError;
 use inkrig_motion::retarget::RetargetError;
 use inkrig_sketch::SketchError;
@@ -157,6 +158,14 @@ pub enum CliError {
         total: usize,
         /// Why, one line each.
         list: String,
+    },
+    /// A file of weights that cannot be read, or not be made a model file of.
+    #[error("{}: {}", printable::path(path), printable::text(cause))]
+    Model {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        cause: Box<CheckpointError>,
     },
     /// A motion cannot be put on another character.
     #[error("{}: {}", printable::path(path), printable::text(cause))]

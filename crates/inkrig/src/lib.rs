@@ -17,6 +17,7 @@
 
 pub use inkrig_align as align;
 pub use inkrig_formats as formats;
+pub use inkrig_generate as generate;
 pub use inkrig_motion as motion;
 pub use inkrig_samples as samples;
 pub use inkrig_sketch as sketch;

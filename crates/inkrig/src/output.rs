@@ -2,7 +2,7 @@
 
 use crate::printable;
 use crate::temporary::Temporary;
-use std::fs::FileType;
+use std::fs::{File, FileType};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -63,7 +63,28 @@ impl Output {
         let place = self.place(path)?;
         let mut file = Temporary::in_folder(folder_of(&place)).map_err(refused(path))?;
         file.fill(bytes).map_err(refused(path))?;
-        file.keep(&place, self.force).map_err(|cause| match cause.kind() {
+        self.keep(file, &place, path)
+    }
+
+    /// The same for what is too large to be held: `write` writes it piece by piece.
+    ///
+    /// # Errors
+    /// As for [`Self::write`], or what `write` says; the old file is as it was then.
+    pub fn stream<T, E: From<OutputError>>(
+        self,
+        path: &Path,
+        write: impl FnOnce(&mut File) -> Result<T, E>,
+    ) -> Result<T, E> {
+        let place = self.place(path)?;
+        let mut file = Temporary::in_folder(folder_of(&place)).map_err(refused(path))?;
+        let result = write(file.file().map_err(refused(path))?)?;
+        file.finish().map_err(refused(path))?;
+        self.keep(file, &place, path)?;
+        Ok(result)
+    }
+
+    fn keep(self, file: Temporary, place: &Path, path: &Path) -> Result<(), OutputError> {
+        file.keep(place, self.force).map_err(|cause| match cause.kind() {
             ErrorKind::AlreadyExists => OutputError::Exists(path.to_path_buf()),
             _ => refused(path)(cause),
         })

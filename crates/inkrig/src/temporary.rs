@@ -1,6 +1,7 @@
 //! Files that are being written. Whoever ends the process removes them first.
 
-use std::io::{Result, Write};
+use std::fs::File;
+use std::io::{Error, ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::NamedTempFile;
@@ -26,6 +27,16 @@ impl Temporary {
         let path = file.path().to_path_buf();
         open.push(path.clone());
         Ok(Self { file: Some(file), path })
+    }
+
+    /// The file, to write it piece by piece; [`Self::finish`] has to follow.
+    pub(crate) fn file(&mut self) -> Result<&mut File> {
+        self.file.as_mut().map(NamedTempFile::as_file_mut).ok_or_else(|| Error::from(ErrorKind::NotFound))
+    }
+
+    /// Waits until what was written is on the disk.
+    pub(crate) fn finish(&mut self) -> Result<()> {
+        self.file()?.sync_all()
     }
 
     /// Writes all of the file and waits until it is on the disk.

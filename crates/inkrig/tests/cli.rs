@@ -17,6 +17,8 @@ mod explain;
 mod files;
 #[path = "cli/keys.rs"]
 mod keys;
+#[path = "cli/model.rs"]
+mod model;
 #[path = "cli/over_ground.rs"]
 mod over_ground;
 #[path = "cli/retarget.rs"]

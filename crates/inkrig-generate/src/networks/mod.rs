@@ -15,6 +15,7 @@ mod vae;
 pub use conditions::{ConditionEncoder, Domain};
 pub use denoiser::{Adapter, ControlNet, Corrections, Denoiser, Noisy, Work};
 pub use embedding::{guidance_waves, timestep_waves};
+pub(crate) use linear::Linear;
 pub use names::{Parts, TensorSpec, tensors};
 pub use sizes::Sizes;
 pub use vae::{Decoding, Encoded, Vae};

@@ -4,6 +4,7 @@ mod align;
 mod bench;
 mod convert;
 mod data;
+mod model;
 mod retarget;
 mod root;
 mod suggest;
@@ -12,6 +13,7 @@ pub use align::{AlignArgs, ControlArgs, Norms, PresetArg, RotationArg, SolverArg
 pub use bench::{BenchAlignArgs, BenchArgs, BenchCommand};
 pub use convert::{ConvertArgs, ToArg};
 pub use data::{CorpusArgs, DataArgs, DataCommand};
+pub use model::{ModelArgs, ModelCommand, ModelImportArgs, ModelInspectArgs, TextArg};
 pub use retarget::RetargetArgs;
 pub use root::{RootArgs, RootMode};
 pub use suggest::SuggestArgs;
@@ -52,6 +54,8 @@ pub enum Command {
     /// Write motion files in other formats, one or many
     #[command(after_help = convert::EXAMPLES)]
     Convert(Box<ConvertArgs>),
+    /// Make model files of published weights, and say what is in one
+    Model(ModelArgs),
     /// Put a motion on another character, and say how exact it is
     #[command(after_help = retarget::EXAMPLES)]
     Retarget(Box<RetargetArgs>),

@@ -11,6 +11,7 @@ mod demo;
 mod demo_files;
 mod inspect;
 mod keys;
+mod model;
 mod record;
 mod retarget;
 mod settings;
@@ -35,6 +36,7 @@ pub fn run(cli: Cli) -> Result<(), CliError> {
         Command::Retarget(args) => retarget::run(&args, &console),
         Command::Demo(args) => demo::run(&args, &console),
         Command::Inspect(args) => inspect::run(&args, &console),
+        Command::Model(args) => model::run(&args, &console),
         Command::Suggest(args) => suggest::run(&args, &console),
         Command::Completions { shell } => {
             let mut script = Vec::new();
