@@ -67,6 +67,9 @@ pub enum GenerateError {
         /// What and where.
         reason: String,
     },
+    /// A motion that has no features, or features that are none.
+    #[error(transparent)]
+    Motion(#[from] inkrig_motion::MotionError),
     /// A setting that makes no sense.
     #[error("{setting} is {value}, but must be {needed}")]
     Setting {

@@ -54,7 +54,8 @@ fn statistics() -> Option<Statistics> {
 fn run(vectors: &Vectors, name: &str, semantics: Semantics) -> Option<()> {
     let features = statistics()?;
     let sampler = Sampler { networks: &NETWORKS, features: &features, no_text: &[] };
-    let options = SamplingOptions { steps: Steps::Lcm(2), text_weight: 7.5, semantics, guidance: None };
+    let options =
+        SamplingOptions { steps: Steps::Lcm(2), text_weight: 7.5, semantics, guidance: None, guide_every: 1 };
     let noise = vectors.numbers("noise");
     let sampled = sampler
         .run(

@@ -9,6 +9,7 @@ pub use settings::{
 };
 
 use crate::GenerateError;
+use crate::blending::BlendOptions;
 use crate::guidance::{GuidanceOptions, LbfgsOptions, Mean, Method, Variable};
 use crate::networks::Sizes;
 use crate::sampling::{SamplingOptions, Semantics, Steps};
@@ -98,7 +99,26 @@ impl Configuration {
                 },
                 step_early: guidance.step_early,
             }),
+            guide_every: 1,
         }
+    }
+}
+
+impl Configuration {
+    /// How clips are blended. Guidance holds them with the same variable and mean as it holds trajectories.
+    pub fn blend_options(&self) -> BlendOptions {
+        let sampling = self.sampling_options();
+        let options = LbfgsOptions {
+            rate: self.blending.rate,
+            iterations: self.blending.iterations,
+            evaluations: 1000,
+            ..LbfgsOptions::default()
+        };
+        let method = Method::SecondOrder { options, early: 1, late: 1 };
+        let guidance =
+            sampling.guidance.map(|guidance| GuidanceOptions { method, mean: Mean::Asked, ..guidance });
+        let transition = self.blending.transition;
+        BlendOptions { transition, text_weight: self.text.weight, guidance, ..BlendOptions::default() }
     }
 }
 

@@ -20,6 +20,8 @@ pub struct SamplingOptions {
     pub semantics: Semantics,
     /// Whether clips are moved towards their targets, and how.
     pub guidance: Option<GuidanceOptions>,
+    /// Guidance at every so many steps, the last among them; 1 and 0 are every step.
+    pub guide_every: usize,
 }
 
 /// The steps from noise to a latent.
@@ -35,7 +37,7 @@ impl Default for SamplingOptions {
     /// The published two steps with guidance.
     fn default() -> Self {
         let guidance = Some(GuidanceOptions::default());
-        Self { steps: Steps::Lcm(2), text_weight: 7.5, semantics: Semantics::Paper, guidance }
+        Self { steps: Steps::Lcm(2), text_weight: 7.5, semantics: Semantics::Paper, guidance, guide_every: 1 }
     }
 }
 
@@ -136,7 +138,8 @@ impl Sampler<'_> {
         for (step, &timestep) in timesteps.iter().enumerate() {
             let mut noise =
                 self.noise(conditions, &prepared, options, &latents, timestep, &mut texts, &mut work)?;
-            if let Some(guidance) = guidance {
+            let due = (timesteps.len() - 1 - step).is_multiple_of(options.guide_every.max(1));
+            if let Some(guidance) = guidance.filter(|_| due) {
                 let reckoned = guidance.reckoned_step(timestep);
                 let alpha = schedule.noise().alpha(reckoned);
                 guided.push(guide.run(&mut latents, &mut noise, alpha, reckoned > 500, guidance)?);
