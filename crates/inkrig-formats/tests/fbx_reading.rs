@@ -261,3 +261,35 @@ fn changing_scales_are_said() {
     assert_eq!(codes(&import), ["fbx-scale"]);
     assert_near(place(&import, 30, 1), [0.0, 1.0, 2.0]);
 }
+
+/// The nodes stand as in some frame, the mesh was bound to a leg that points to x.
+fn bound_leg(knee: [f64; 3]) -> Text {
+    let mut text = Text::leg();
+    let matrix =
+        |[x, y, z]: [f64; 3]| format!("Matrix: *16 {{\na: 1,0,0,0,0,1,0,0,0,0,1,0,{x},{y},{z},1\n}}\n");
+    let pose = |node: u32, place| format!("PoseNode: {{\nNode: {node}\n{}}}\n", matrix(place));
+    text.objects += &format!(
+        "Pose: 700, \"Pose::bind\", \"BindPose\" {{\nType: \"BindPose\"\nVersion: 100\nNbPoseNodes: 2\n{}{}}}\n",
+        pose(1, [0.0, 90.0, 0.0]),
+        pose(2, knee)
+    );
+    text
+}
+
+#[test]
+fn the_rest_pose_is_that_of_the_mesh() {
+    let import = read(&bound_leg([50.0, 90.0, 0.0]));
+    let offsets: Vec<Vec3> = import.clip.skeleton().joints().iter().map(|joint| joint.offset).collect();
+    assert_near(offsets[0], [0.0, 0.9, 0.0]);
+    assert_near(offsets[1], [0.5, 0.0, 0.0]);
+    assert_near(offsets[2], [0.0, -0.5, 0.0]);
+    assert_eq!(codes(&import), Vec::<&str>::new());
+    // The motion is the same. The hip has not turned since, so the knee has a place of its own.
+    assert_near(place(&import, 0, 1), [0.0, 0.5, 0.0]);
+    assert_near(place(&import, 30, 1), [0.0, 1.0, 2.5]);
+    assert_near(place(&import, 30, 2), [0.0, 1.0, 2.0]);
+    // A mesh bound to another figure is not believed.
+    let import = read(&bound_leg([60.0, 90.0, 0.0]));
+    assert_near(import.clip.skeleton().joints()[1].offset, [0.0, -0.5, 0.0]);
+    assert_eq!(codes(&import), ["fbx-bind-pose"]);
+}

@@ -22,6 +22,8 @@ pub(crate) struct Stage<'f> {
     pub(crate) figure: &'f Figure,
     /// The clip's world from each node, at rest.
     pub(crate) rest: Vec<Placed>,
+    /// See [`STILL`].
+    still: f64,
 }
 
 /// A node in the world.
@@ -56,7 +58,13 @@ pub(crate) fn clip_from_file(metres_per_unit: f64, up: UpAxis) -> DAffine3 {
 impl<'f> Stage<'f> {
     /// `rest` has the place of every node of the figure's chain.
     pub(crate) fn new(figure: &'f Figure, rest: Vec<Placed>) -> Self {
-        Self { figure, rest }
+        Self { figure, rest, still: STILL }
+    }
+
+    /// For files whose rest pose and whose motion were reckoned apart from each other, `still` being how far places may lie
+    /// apart for that, as a part of the figure's size.
+    pub(crate) fn with_still(self, still: f64) -> Self {
+        Self { still, ..self }
     }
 
     /// Whether a joint's children see it stretched along some axes more than along others, or mirrored.
@@ -88,7 +96,7 @@ impl<'f> Stage<'f> {
     /// What a joint may leave its place by and still have no translation, metres.
     pub(crate) fn still(&self, skeleton: &Skeleton) -> f64 {
         let depth = skeleton.depths().into_iter().max().unwrap_or(0) as f64;
-        STILL / (1.0 + depth) * f64::from(skeleton.extent()).max(1e-6)
+        self.still / (1.0 + depth) * f64::from(skeleton.extent()).max(1e-6)
     }
 
     /// The clip of `frames` frames. `place` is asked for all of them twice, in order.

@@ -1,17 +1,14 @@
 //! `inkrig convert`.
 
 use crate::{desk, inkrig, text};
-use inkrig::formats::{ImportOptions, no_files, read_bvh, read_gltf};
+use inkrig::formats::{Format, ImportOptions, no_files, read_motion};
 use inkrig::motion::{Clip, kinematics};
 use std::path::Path;
 
 fn read(path: &Path) -> Clip {
+    let format = Format::from_extension(path.extension().unwrap().to_str().unwrap()).unwrap();
     let bytes = std::fs::read(path).unwrap();
-    if path.extension().unwrap() == "bvh" {
-        read_bvh(&bytes, &ImportOptions::default()).unwrap().clip
-    } else {
-        read_gltf(&bytes, &ImportOptions::default(), &no_files).unwrap().clip
-    }
+    read_motion(&bytes, format, &ImportOptions::default(), &no_files).unwrap().clip
 }
 
 fn apart(a: &Clip, b: &Clip) -> f32 {
@@ -39,6 +36,35 @@ fn one_file_goes_there_and_back() {
     let same = inkrig(&folder, &["convert", "person.bvh", "person.bvh", "--force"]);
     assert!(!same.status.success() && text(&same.stderr).contains("named twice"));
     assert_eq!(read(&folder.join("person.bvh")), first);
+}
+
+#[test]
+fn an_fbx_is_read_and_written_like_any_other() {
+    let (_keep, folder) = desk();
+    let run = |arguments: &[&str]| {
+        let done = inkrig(&folder, arguments);
+        assert!(done.status.success(), "{arguments:?}: {}", text(&done.stderr));
+        text(&done.stdout)
+    };
+    run(&["convert", "person.bvh", "person.fbx"]);
+    run(&["convert", "person.fbx", "back.bvh"]);
+    let first = read(&folder.join("person.bvh"));
+    assert!(apart(&first, &read(&folder.join("person.fbx"))) < 1e-5);
+    assert!(apart(&first, &read(&folder.join("back.bvh"))) < 1e-4);
+    let facts: serde_json::Value = serde_json::from_str(&run(&["inspect", "person.fbx", "--json"])).unwrap();
+    let found = [&facts["format"], &facts["unit_evidence"], &facts["clips"][0]["name"]];
+    assert_eq!(found, ["FBX", "declared in the file", "person"]);
+    assert_eq!((&facts["end_sites"], &facts["problems"]), (&5.into(), &serde_json::json!([])));
+    run(&["align", "person.fbx", "--curve", "circles.csv", "--length", "2s", "-o", "new.fbx"]);
+    assert_eq!(read(&folder.join("new.fbx")).frames(), 60);
+    run(&["retarget", "person.bvh", "--onto", "person.fbx", "-o", "moved.fbx"]);
+    assert!(apart(&first, &read(&folder.join("moved.fbx"))) < 0.01);
+    run(&["convert", "*.fbx", "out", "--to", "fbx", "--fps", "24"]);
+    assert_eq!(read(&folder.join("out/person.fbx")).frame_rate(), 24.0);
+    std::fs::write(folder.join("bad.fbx"), b"Kaydara FBX Binary  \0\x1a\0\xe8\x1c\0\0").unwrap();
+    let bad = inkrig(&folder, &["inspect", "bad.fbx"]);
+    assert!(!bad.status.success());
+    assert!(text(&bad.stderr).contains("it ends in the middle of something"), "{}", text(&bad.stderr));
 }
 
 #[test]

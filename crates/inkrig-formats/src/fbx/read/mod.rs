@@ -5,12 +5,12 @@ mod bones;
 mod budget;
 mod open;
 mod pose;
+mod rest;
 mod span;
 mod stacks;
 
 use crate::{
-    Evidence, Finding, Format, FormatError, Import, ImportOptions, SourceInfo, clip_choice,
-    figure::{Placed, Stage},
+    Evidence, Finding, Format, FormatError, Import, ImportOptions, SourceInfo, clip_choice, figure::Stage,
     finding::shown,
 };
 use axes::Axes;
@@ -22,10 +22,14 @@ use span::Span;
 use stacks::Stack;
 use ufbx::Scene;
 
+/// Exporters reckon the pose of the mesh and that of a frame in f32, each in its own way: what they differ by that much is
+/// no movement, as a part of the figure's size.
+const BOUND_STILL: f64 = 5e-5;
+
 /// Reads an FBX file, binary or text, of any version from 3000 on.
 ///
 /// The skeleton is made of the bones and of what skins hang on; in a file without bones, of the nodes that are moved. Its
-/// rest pose is that of the nodes. What stands between or above bones, pivots and rotations before rotations are folded
+/// rest pose is that in which meshes were bound, where there is one; else that of the nodes. What stands between or above bones, pivots and rotations before rotations are folded
 /// in. All animation stacks are listed in [`Import::clips`], and the one that [`ImportOptions::clip`] chooses is sampled
 /// at the file's frame rate; without a choice it is the first that moves a joint. A file without stacks gives its rest
 /// pose as one frame.
@@ -46,9 +50,9 @@ pub fn read_fbx(bytes: &[u8], options: &ImportOptions) -> Result<Import, FormatE
     let figure = bones.figure(&scene, &options.limits, &mut findings)?;
     pose::check_rest(&bones, &figure)?;
     let axes = Axes::of(&scene, options, &mut findings);
-    let mut rest = vec![Placed::STILL; bones.nodes.len()];
-    pose::place(&bones, &figure, &bones.locals, axes.origin(), &mut rest);
+    let (rest, bound) = rest::rest(&scene, &bones, &figure, axes.origin(), &mut findings);
     let stage = Stage::new(&figure, rest);
+    let stage = if bound { stage.with_still(BOUND_STILL) } else { stage };
     let stacks: Vec<Stack<'_>> = scene.anim_stacks.iter().map(|stack| Stack::of(stack, &bones)).collect();
     let clips = stacks::list(&stacks);
     let usual = stacks.iter().position(|stack| stack.moves(&figure)).unwrap_or(0);

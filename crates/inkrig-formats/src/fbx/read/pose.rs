@@ -3,7 +3,7 @@
 use super::{axes::Axes, bones::Bones, damaged, span::Span, stacks::Stack};
 use crate::{
     Finding, FormatError,
-    figure::{Figure, Placed, Stage},
+    figure::{Figure, Placed, Stage, rotation_of},
     finding::shown,
     lexer::LARGEST_NUMBER,
 };
@@ -13,11 +13,13 @@ use inkrig_motion::{
 };
 use ufbx::{InheritMode, Transform};
 
-/// Places the nodes of the figure's chain, each in its parent as its mode of inheriting scales says.
+/// Places the nodes of the figure's chain, each in its parent as its mode of inheriting scales says; those that are `bound`
+/// to a place of the file's world, there.
 pub(super) fn place(
     bones: &Bones<'_>,
     figure: &Figure,
     locals: &[Transform],
+    bound: Option<&[Option<DAffine3>]>,
     origin: Placed,
     placed: &mut [Placed],
 ) {
@@ -40,6 +42,12 @@ pub(super) fn place(
         let world = parent_world * DAffine3::from_scale_rotation_translation(scale, rotation, translation);
         let unscaled = parent_world * DAffine3::from_rotation_translation(rotation, translation);
         let turned = (above.turned * rotation).normalize();
+        let held = bound.and_then(|bound| bound.get(node).copied().flatten());
+        let (world, unscaled, turned) = match held.map(|held| origin.world * held) {
+            // What hangs on it and is bound nowhere takes no notice of its scale.
+            Some(world) => (world, world, rotation_of(world.matrix3).unwrap_or(turned)),
+            None => (world, unscaled, turned),
+        };
         if let (Some(slot), Some(passed)) = (placed.get_mut(node), inherited.get_mut(node)) {
             *slot = Placed { world, turned };
             *passed = Inherited { unscaled, scale };
@@ -87,7 +95,7 @@ impl<'p, 's> Player<'p, 's> {
         let clip = stage.clip(frames, rate, &mut |frame, placed| {
             self.go_to(frame)?;
             scaled = scaled.max(self.largest_scaling());
-            place(self.bones, stage.figure, &self.locals, self.origin, placed);
+            place(self.bones, stage.figure, &self.locals, None, self.origin, placed);
             Ok(())
         })?;
         if scaled > 1e-3 {
