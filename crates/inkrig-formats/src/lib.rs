@@ -21,6 +21,7 @@
 #![deny(clippy::indexing_slicing)]
 
 mod asf_amc;
+mod body;
 mod bvh;
 mod clip_choice;
 mod companion;

@@ -11,8 +11,8 @@ pub const MAX_FRAMES: usize = 1_000_000;
 /// Widest Gaussian of [`crate::smooth`], in frames: 33 seconds at 30 frames a second.
 pub const MAX_SIGMA: f64 = 1000.0;
 
-/// Most elements of an SVG drawing, after each `<use>` has been replaced by what it refers to.
-pub const MAX_SVG_ELEMENTS: usize = 100_000;
+/// Most elements of an SVG drawing, after each `<use>` has been replaced by what it refers to: about 1 kB each in memory.
+pub const MAX_SVG_ELEMENTS: usize = 50_000;
 /// Deepest nesting of an SVG drawing, counted through `<use>`.
 pub const MAX_SVG_DEPTH: usize = 128;
 /// Most attributes of an SVG drawing, as written in the file.

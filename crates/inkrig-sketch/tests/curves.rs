@@ -163,11 +163,11 @@ fn svg_bombs_are_refused() {
     let rules = ".a{fill:none}".repeat(5000) + "</style>" + &"<path d='M0 0 L1 1'/>".repeat(5000);
     messages(
         &[
-            (&doubling, "too many elements, each <use> expanded; at most 100000"),
+            (&doubling, "too many elements, each <use> expanded; at most 50000"),
             (&paths, "too many bytes of attributes"),
             (&chain, "nested too deeply"),
             (&("<g>".repeat(200) + &"</g>".repeat(200)), "nested too deeply"),
-            (&("<g>".repeat(150_000) + &"</g>".repeat(150_000)), "nested too deeply"),
+            (&("<g>".repeat(75_000) + &"</g>".repeat(75_000)), "nested too deeply"),
             (&"<g/>".repeat(500_000), "too many elements"),
             (
                 &format!(

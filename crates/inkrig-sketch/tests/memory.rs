@@ -51,6 +51,8 @@ fn no_drawing_takes_more_than_its_share() {
             format!("<g id=\"g{level}\">{}</g>", if level == 0 { "<path d=\"M0 0L1 1\"/>" } else { &below })
         })
         .collect();
+    // A path in a group in groups of two, which make 8,000 of it out of a kilobyte.
+    let halved = doubled.split_inclusive("</g>").take(13).collect::<String>();
     let entities = "<!DOCTYPE svg [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;\">\
         <!ENTITY c \"&b;&b;&b;&b;&b;&b;&b;&b;&b;&b;\"><!ENTITY d \"&c;&c;&c;&c;&c;&c;&c;&c;&c;&c;\">]>";
     let cases = [
@@ -63,8 +65,20 @@ fn no_drawing_takes_more_than_its_share() {
         ("JSON of empty lists", Format::Json, format!("[{}[]]", "[],".repeat(1 << 18))),
         ("nested JSON", Format::Json, "[".repeat(1 << 20)),
         ("JSON of numbers", Format::Json, format!("[{}0]", "1,".repeat(1 << 19))),
-        ("SVG of groups", Format::Svg, svg(&"<g/>".repeat(90_000))),
+        ("SVG of groups", Format::Svg, svg(&"<g/>".repeat(49_000))),
         ("nested SVG", Format::Svg, format!("<svg>{}", "<g>".repeat(1 << 18))),
+        ("SVG of many groups", Format::Svg, svg(&"<g/>".repeat(1 << 20))),
+        ("deeply nested SVG", Format::Svg, format!("<svg>{}", "<g>".repeat(1 << 21))),
+        ("SVG of one long path", Format::Svg, svg(&format!("<path d=\"M0 0{}\"/>", "h1v1".repeat(1 << 20)))),
+        (
+            "SVG of many arcs",
+            Format::Svg,
+            svg(&format!("<path d=\"M0 0{}\"/>", "a9e9 9e9 0 1 1 1 1".repeat(1 << 18))),
+        ),
+        ("SVG of many paths", Format::Svg, svg(&"<path d=\"M0 0h1\"/>".repeat(49_000))),
+        ("SVG of texts", Format::Svg, svg(&"a<g/>".repeat(1 << 19))),
+        ("SVG of attributes", Format::Svg, svg(&"<g a=\"\" b=\"\" c=\"\" d=\"\"/>".repeat(1 << 17))),
+        ("SVG of uses that make many", Format::Svg, svg(&halved)),
         ("SVG of uses that double", Format::Svg, svg(&doubled)),
         (
             "SVG of entities",

@@ -57,7 +57,7 @@ pub enum ToArg {
     Bvh,
     /// glTF 2.0 in one file: skeleton, motion and a body of capsules, or the clip put into a copy of the GLB it is from
     Glb,
-    /// Autodesk's exchange format, binary: skeleton and motion
+    /// Autodesk's exchange format, binary: skeleton, motion and a body of capsules
     Fbx,
     /// USD as text
     Usda,

@@ -13,7 +13,7 @@ use ufbx::{Matrix, Scene};
 /// How far lengths of bones may differ between the two, all together: else one of them is of another figure.
 const MISFIT: f64 = 0.01;
 
-/// Places the figure at rest; whether that is where meshes were bound.
+/// Places the figure at rest; whether that was reckoned apart from the nodes' own places.
 pub(super) fn rest(
     scene: &Scene,
     bones: &Bones<'_>,
@@ -42,7 +42,8 @@ pub(super) fn rest(
         }
     }
     if off <= MISFIT * total {
-        return (rest, true);
+        // What is the same to the last digits was reckoned at once.
+        return (rest, off > 1e-9 * total);
     }
     let message = "bones have other lengths in the pose in which the mesh was bound; \
         the rest pose is that of the file's nodes";

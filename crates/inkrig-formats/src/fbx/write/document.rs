@@ -24,6 +24,7 @@ pub(super) enum Value<'v> {
     Ints(&'v [i32]),
     Longs(&'v [i64]),
     Floats(&'v [f32]),
+    Doubles(&'v [f64]),
 }
 
 /// A file in the making.
@@ -84,6 +85,7 @@ impl Document {
                 Value::Ints(values) => node.append_arr_i32_from_iter(None, values.iter().copied())?,
                 Value::Longs(values) => node.append_arr_i64_from_iter(None, values.iter().copied())?,
                 Value::Floats(values) => node.append_arr_f32_from_iter(None, values.iter().copied())?,
+                Value::Doubles(values) => node.append_arr_f64_from_iter(None, values.iter().copied())?,
             }
         }
         Ok(())

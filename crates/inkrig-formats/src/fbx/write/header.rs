@@ -3,6 +3,7 @@
 use super::{
     Scene,
     animation::Animation,
+    body::Mesh,
     document::{Document, Value, object_name},
     ids::Ids,
 };
@@ -22,6 +23,7 @@ pub(super) fn before(
     scene: &Scene<'_>,
     ids: &Ids,
     animation: &Animation,
+    mesh: &Mesh,
 ) -> Result<(), FormatError> {
     extension(document)?;
     document.leaf("FileId", &[Bytes(&FILE_ID)])?;
@@ -39,7 +41,7 @@ pub(super) fn before(
     document.close()?;
     document.close()?;
     document.leaf("References", &[])?;
-    definitions(document, ids, animation)
+    definitions(document, ids, animation, mesh)
 }
 
 /// The takes, which older programs look for.
@@ -125,13 +127,22 @@ fn settings(document: &mut Document, scene: &Scene<'_>, animation: &Animation) -
 }
 
 /// Which kinds of objects there are, how many, and what they have that does not say otherwise.
-fn definitions(document: &mut Document, ids: &Ids, animation: &Animation) -> Result<(), FormatError> {
+fn definitions(
+    document: &mut Document,
+    ids: &Ids,
+    animation: &Animation,
+    mesh: &Mesh,
+) -> Result<(), FormatError> {
     let count = |count: usize| i32::try_from(count).unwrap_or(i32::MAX);
     let (nodes, curves) = (animation.curve_nodes(), 3 * animation.curve_nodes());
     let kinds = [
         ("GlobalSettings", 1, ""),
         ("NodeAttribute", ids.joints, "FbxSkeleton"),
-        ("Model", ids.joints, "FbxNode"),
+        ("Model", ids.joints + 1, "FbxNode"),
+        ("Geometry", 1, "FbxMesh"),
+        ("Material", 1, "FbxSurfaceLambert"),
+        ("Deformer", 1 + mesh.clusters(), ""),
+        ("Pose", 1, ""),
         ("AnimationStack", 1, "FbxAnimStack"),
         ("AnimationLayer", 1, "FbxAnimLayer"),
         ("AnimationCurveNode", nodes, "FbxAnimCurveNode"),
@@ -179,6 +190,8 @@ fn defaults(document: &mut Document, template: &str) -> Result<(), FormatError> 
             }
             Ok(())
         }
+        "FbxMesh" => document.property("Color", ["ColorRGB", "Color", ""], &[Double(0.8); 3]),
+        "FbxSurfaceLambert" => document.property("DiffuseColor", ["Color", "", "A"], &[Double(0.8); 3]),
         "FbxAnimLayer" => document.property("Weight", ["Number", "", "A"], &[Double(100.0)]),
         _ => document.property("d", ["Compound", "", ""], &[]),
     }

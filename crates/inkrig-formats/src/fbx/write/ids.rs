@@ -28,6 +28,30 @@ impl Ids {
         self.attribute(self.joints + index)
     }
 
+    pub(super) fn mesh(&self) -> i64 {
+        self.curve(self.curve_nodes, 0)
+    }
+
+    pub(super) fn geometry(&self) -> i64 {
+        self.mesh() + 1
+    }
+
+    pub(super) fn material(&self) -> i64 {
+        self.mesh() + 2
+    }
+
+    pub(super) fn skin(&self) -> i64 {
+        self.mesh() + 3
+    }
+
+    pub(super) fn pose(&self) -> i64 {
+        self.mesh() + 4
+    }
+
+    pub(super) fn cluster(&self, index: usize) -> i64 {
+        self.mesh() + 5 + index as i64
+    }
+
     /// The curve of an axis, 0 to 2.
     pub(super) fn curve(&self, index: usize, axis: usize) -> i64 {
         self.curve_node(self.curve_nodes + 3 * index + axis)

@@ -1,6 +1,7 @@
 //! The FBX writer: a whole scene with a skeleton and one clip, binary 7.4.
 
 mod animation;
+mod body;
 mod curve;
 mod document;
 mod header;
@@ -9,6 +10,7 @@ mod skeleton;
 
 use crate::{ExportOptions, Finding, FormatError, Written, import, lexer::LARGEST_NUMBER};
 use animation::Animation;
+use body::Mesh;
 use document::Document;
 use ids::Ids;
 use inkrig_motion::{
@@ -22,7 +24,8 @@ const CLIP_NAME: &str = "motion";
 /// Longer clips are beyond what the reader takes for a time, seconds.
 const LONGEST: f64 = 1e8;
 
-/// Writes a clip as a binary FBX 7.4 file: limbs at their rest places, one animation stack, one linear key a frame.
+/// Writes a clip as a binary FBX 7.4 file: limbs at their rest places, a body of capsules, one
+/// animation stack with one linear key a frame.
 ///
 /// Unit and axes are those of [`ExportOptions`], and the file says them. Rotations are Euler angles in the format's own
 /// order, which run on from frame to frame without jumps of a turn. End sites are limbs that say so: `read_fbx` gives them
@@ -70,15 +73,18 @@ struct Scene<'w> {
 impl Scene<'_> {
     fn bytes(&self) -> Result<Vec<u8>, FormatError> {
         let animation = Animation::of(self)?;
+        let mesh = Mesh::of(self)?;
         let ids = Ids { joints: self.clip.skeleton().len(), curve_nodes: animation.curve_nodes() };
         let mut document = Document::new()?;
-        header::before(&mut document, self, &ids, &animation)?;
+        header::before(&mut document, self, &ids, &animation, &mesh)?;
         document.open("Objects", &[])?;
         skeleton::objects(&mut document, self, &ids)?;
+        mesh.objects(&mut document, self, &ids)?;
         animation.objects(&mut document, &ids)?;
         document.close()?;
         document.open("Connections", &[])?;
         skeleton::connections(&mut document, self, &ids)?;
+        mesh.connections(&mut document, &ids)?;
         animation.connections(&mut document, &ids)?;
         document.close()?;
         header::takes(&mut document, self, &animation)?;
