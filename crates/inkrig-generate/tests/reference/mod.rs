@@ -26,6 +26,11 @@ impl Vectors {
         }
     }
 
+    /// Those of a file of this repository.
+    pub(crate) fn of(bytes: &[u8]) -> Self {
+        Self { bytes: bytes.to_vec() }
+    }
+
     pub(crate) fn shape(&self, name: &str) -> Vec<usize> {
         SafeTensors::deserialize(&self.bytes).unwrap().tensor(name).unwrap().shape().to_vec()
     }
