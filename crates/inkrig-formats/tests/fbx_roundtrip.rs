@@ -118,6 +118,26 @@ fn writing_twice_gives_the_same_bytes() {
 }
 
 #[test]
+fn small_movements_are_kept() {
+    let joints = vec![
+        Joint::new("hips", None, Vec3::new(0.1, 0.937, 0.3)),
+        Joint::new("spine", Some(0), Vec3::new(0.003, 0.271, 0.017)),
+        Joint::new("jaw", Some(1), Vec3::new(0.01, 0.4, 0.033)),
+    ];
+    let (skeleton, frames) = (Arc::new(Skeleton::new(joints).unwrap()), 20);
+    let values = (0..frames).map(|frame| Vec3::new(0.01, 0.4, 0.033 + 2.5e-7 * frame as f32)).collect();
+    let track = inkrig_motion::TranslationTrack { joint: 2, values };
+    let clip = Clip::new(skeleton, 30.0, vec![Quat::from_rotation_x(0.3); 3 * frames], vec![track]).unwrap();
+    for up in [UpAxis::Y, UpAxis::Z] {
+        let options = ExportOptions { up, ..Default::default() };
+        let again = back(&write_fbx(&clip, &options).unwrap().bytes).clip;
+        assert_kept("a jaw", &clip, &again);
+        let moving: Vec<_> = again.translations().iter().map(|track| track.joint).collect();
+        assert_eq!(moving, [2]);
+    }
+}
+
+#[test]
 fn turns_run_on_over_many_rounds() {
     let skeleton = Arc::new(Skeleton::new(vec![Joint::new("top", None, Vec3::ZERO)]).unwrap());
     let turns = (0..2000).map(|frame| Quat::from_rotation_y(0.2 * frame as f32)).collect();

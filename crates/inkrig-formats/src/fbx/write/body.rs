@@ -24,12 +24,12 @@ pub(super) struct Mesh {
 
 impl Mesh {
     pub(super) fn of(scene: &Scene<'_>) -> Result<Self, FormatError> {
-        let joints = scene.clip.skeleton().rest_positions();
-        let joints: Vec<DVec3> = joints
-            .iter()
-            .enumerate()
-            .map(|(joint, place)| scene.place(*place, joint))
-            .collect::<Result<_, _>>()?;
+        // Summed up as a reader will: the pose of the mesh is then exactly that of the limbs.
+        let mut joints: Vec<DVec3> = Vec::with_capacity(scene.names.len());
+        for (index, joint) in scene.clip.skeleton().joints().iter().enumerate() {
+            let parent = joint.parent.and_then(|parent| joints.get(parent)).copied().unwrap_or_default();
+            joints.push(parent + scene.place(joint.offset, index)?);
+        }
         let body = body(scene.clip, &|_| true);
         let mut corners = BTreeMap::<usize, Vec<i32>>::new();
         for (corner, &joint) in body.bones.iter().enumerate() {
