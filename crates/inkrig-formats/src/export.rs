@@ -1,6 +1,7 @@
 //! How a motion is written.
 
-use crate::{Channel, Finding, Format, HumanBone, Original, SourceInfo, UpAxis};
+use crate::{Channel, Finding, Format, FormatError, HumanBone, Original, SourceInfo, UpAxis};
+use inkrig_motion::keyframes::{Interpolation, KeyedClip};
 
 /// How to write a motion. The default suits most programs: centimetres, y up, the format's usual channels.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +29,9 @@ pub struct ExportOptions {
     /// Rows of an earlier BVH file that are written as they stand there, in order of their frames; other formats do not
     /// look at them. The angles around them are chosen to run on into them.
     pub kept: Vec<KeptRow>,
+    /// The motion as few keys, for formats that have them (glTF); the clip that is written must be its
+    /// [`KeyedClip::clip`]. Default: none, one key a frame.
+    pub keys: Option<KeyedClip>,
 }
 
 /// A row of a BVH file: see [`bvh_rows`](crate::bvh_rows).
@@ -72,6 +76,18 @@ impl ExportOptions {
         }
         like
     }
+
+    /// Refuses curves between few keys for a format that has one pose a frame. Poses that are held need no keys there: the
+    /// frames repeat them.
+    pub(crate) fn check_no_curves(&self, format: &str) -> Result<(), FormatError> {
+        match &self.keys {
+            Some(keys) if keys.interpolation == Interpolation::Spline => Err(FormatError::Write {
+                what: format!("{format} files hold a pose a frame, not few keys with curves between them"),
+                hint: "write a .glb, or one key a frame (--bake dense)".into(),
+            }),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Default for ExportOptions {
@@ -86,6 +102,7 @@ impl Default for ExportOptions {
             replace: false,
             humanoid: Vec::new(),
             kept: Vec::new(),
+            keys: None,
         }
     }
 }

@@ -28,6 +28,7 @@ mod error;
 mod features;
 pub mod ground;
 pub mod humanml;
+pub mod keyframes;
 pub mod kinematics;
 pub mod lead_in;
 mod orientation;

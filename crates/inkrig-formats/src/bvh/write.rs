@@ -23,6 +23,7 @@ const DEEPEST_INDENT: usize = 64;
 /// beyond what a BVH can hold.
 pub fn write_bvh(clip: &Clip, options: &ExportOptions) -> Result<Written, FormatError> {
     import::check_metres_per_unit(options.metres_per_unit)?;
+    options.check_no_curves("BVH")?;
     let frame_time = frame_time(clip, options)?;
     let outline = Outline::of(clip, options);
     let mut writer = Writer { clip, options, digits: Digits::of(clip, options), out: Vec::new(), renamed: 0 };

@@ -13,9 +13,10 @@ use text::Text;
 /// `jointNames`.
 ///
 /// # Errors
-/// [`FormatError::Options`] for a unit out of range.
+/// [`FormatError::Options`] for a unit out of range, [`FormatError::Write`] for keys with curves, which are not written.
 pub fn write_usda(clip: &Clip, options: &ExportOptions) -> Result<Written, FormatError> {
     check_metres_per_unit(options.metres_per_unit)?;
+    options.check_no_curves("USD")?;
     let (paths, renamed) = joint_paths(clip.skeleton());
     let mut text = Text::new(clip, options);
     text.header();

@@ -2,23 +2,33 @@
 
 use super::parts::Parts;
 use crate::{FormatError, lexer::LARGEST_NUMBER};
-use inkrig_motion::glam::{Quat, Vec3};
+use inkrig_motion::{
+    glam::{Quat, Vec3},
+    keyframes::{Interpolation, Key},
+};
 use serde_json::{Value, json};
 
 /// What one node does: a value a frame, in the node's parent.
-///
-/// Every frame is a key here. A writer of few keys would give times of its own and tangents, and the channel would say
-/// CUBICSPLINE instead of LINEAR.
 #[derive(Debug)]
 pub(super) struct NodeMotion {
     pub(super) node: usize,
     pub(super) rotations: Vec<Quat>,
     /// None where the node stays in its place.
     pub(super) translations: Option<Vec<Vec3>>,
+    /// The same as few keys, where it is written so.
+    pub(super) keys: Option<NodeKeys>,
 }
 
-/// The animation; its numbers go to `parts`. What does not change gets a key at each end, but the first node always
-/// has all keys, so that the frames can be counted.
+/// What one node does, as few keys: in its parent, like all of [`NodeMotion`].
+#[derive(Debug)]
+pub(super) struct NodeKeys {
+    pub(super) interpolation: Interpolation,
+    pub(super) rotations: Vec<Key<4>>,
+    pub(super) translations: Vec<Key<3>>,
+}
+
+/// The animation; its numbers go to `parts`. What does not change gets a key at each end, but without few keys the first
+/// node always has all of them, so that the frames can be counted.
 ///
 /// # Errors
 /// When a node would stand further off than any reader takes for a place.
@@ -29,33 +39,84 @@ pub(super) fn animation(
     parts: &mut Parts,
 ) -> Result<Value, FormatError> {
     let frames = nodes.first().map_or(0, |node| node.rotations.len());
-    let times: Vec<f32> = (0..frames).map(|frame| (frame as f64 / frame_rate) as f32).collect();
-    let all = parts.times(&times);
-    let mut ends: Option<usize> = None;
+    let seconds = |frame: usize| (frame as f64 / frame_rate) as f32;
+    let mut times = Times { lists: Vec::new(), seconds: &seconds };
+    let all: Vec<usize> = (0..frames).collect();
+    let ends: Vec<usize> = all.first().into_iter().chain(all.last()).copied().collect();
     let mut out = Channels::default();
     for (index, motion) in nodes.iter().enumerate() {
-        let mut ends = |parts: &mut Parts| {
-            let times: Vec<f32> = times.first().into_iter().chain(times.last()).copied().collect();
-            *ends.get_or_insert_with(|| parts.times(&times))
-        };
-        let still = index > 0 && frames > 2 && unchanging(&motion.rotations);
-        let (input, output) = if still {
-            (ends(parts), parts.rotations(&both_ends(&motion.rotations)))
+        let counts = index == 0 && motion.keys.is_none();
+        let keys = motion.keys.as_ref().filter(|keys| keys.rotations.len() > 1);
+        if !counts && frames > 2 && unchanging(&motion.rotations) {
+            let output = parts.rotations(&both_ends(&motion.rotations));
+            out.add(motion.node, "rotation", "LINEAR", times.of(&ends, parts), output);
+        } else if let Some(keys) = keys {
+            let output = parts.rotations(&sampler(&keys.rotations, keys.interpolation, Quat::from_array));
+            out.add(motion.node, "rotation", mode(keys), times.at(&keys.rotations, parts), output);
         } else {
-            (all, parts.rotations(&continuous(&motion.rotations)))
-        };
-        out.add(motion.node, "rotation", input, output);
-        if let Some(places) = &motion.translations {
-            check_places(motion.node, places)?;
-            let (input, output) = if frames > 2 && unchanging(places) {
-                (ends(parts), parts.vectors(&both_ends(places), None))
-            } else {
-                (all, parts.vectors(places, None))
-            };
-            out.add(motion.node, "translation", input, output);
+            let output = parts.rotations(&continuous(&motion.rotations));
+            out.add(motion.node, "rotation", "LINEAR", times.of(&all, parts), output);
+        }
+        let Some(places) = &motion.translations else { continue };
+        check_places(motion.node, places)?;
+        let keys = motion.keys.as_ref().filter(|keys| keys.translations.len() > 1);
+        if frames > 2 && unchanging(places) {
+            let output = parts.vectors(&both_ends(places), None);
+            out.add(motion.node, "translation", "LINEAR", times.of(&ends, parts), output);
+        } else if let Some(keys) = keys {
+            let values = sampler(&keys.translations, keys.interpolation, Vec3::from_array);
+            check_places(motion.node, &values)?;
+            let output = parts.vectors(&values, None);
+            out.add(motion.node, "translation", mode(keys), times.at(&keys.translations, parts), output);
+        } else {
+            let output = parts.vectors(places, None);
+            out.add(motion.node, "translation", "LINEAR", times.of(&all, parts), output);
         }
     }
     Ok(json!({ "name": name, "channels": out.channels, "samplers": out.samplers }))
+}
+
+/// Lists of times that were written, so that none is written twice.
+struct Times<'s> {
+    lists: Vec<(Vec<usize>, usize)>,
+    seconds: &'s dyn Fn(usize) -> f32,
+}
+
+impl Times<'_> {
+    fn of(&mut self, frames: &[usize], parts: &mut Parts) -> usize {
+        if let Some((_, accessor)) = self.lists.iter().find(|(list, _)| list == frames) {
+            return *accessor;
+        }
+        let times: Vec<f32> = frames.iter().map(|&frame| (self.seconds)(frame)).collect();
+        let accessor = parts.times(&times);
+        self.lists.push((frames.to_vec(), accessor));
+        accessor
+    }
+
+    fn at<const N: usize>(&mut self, keys: &[Key<N>], parts: &mut Parts) -> usize {
+        let frames: Vec<usize> = keys.iter().map(|key| key.frame).collect();
+        self.of(&frames, parts)
+    }
+}
+
+fn mode(keys: &NodeKeys) -> &'static str {
+    match keys.interpolation {
+        Interpolation::Step => "STEP",
+        Interpolation::Spline => "CUBICSPLINE",
+    }
+}
+
+/// The numbers of a sampler: a value a key, for a spline between its tangents (glTF 2.0, 3.11).
+fn sampler<const N: usize, T>(
+    keys: &[Key<N>],
+    interpolation: Interpolation,
+    value: impl Fn([f32; N]) -> T,
+) -> Vec<T> {
+    let parts = |key: &Key<N>| match interpolation {
+        Interpolation::Step => vec![key.value],
+        Interpolation::Spline => vec![key.slope_in, key.value, key.slope_out],
+    };
+    keys.iter().flat_map(parts).map(value).collect()
 }
 
 /// Refuses places that could not be read again.
@@ -77,10 +138,10 @@ struct Channels {
 }
 
 impl Channels {
-    fn add(&mut self, node: usize, path: &str, input: usize, output: usize) {
+    fn add(&mut self, node: usize, path: &str, mode: &str, input: usize, output: usize) {
         let target = json!({ "node": node, "path": path });
         self.channels.push(json!({ "sampler": self.samplers.len(), "target": target }));
-        self.samplers.push(json!({ "input": input, "output": output, "interpolation": "LINEAR" }));
+        self.samplers.push(json!({ "input": input, "output": output, "interpolation": mode }));
     }
 }
 

@@ -3,6 +3,7 @@
 use super::{
     CLIP_NAME,
     animation::{NodeMotion, animation},
+    keys,
     parts::Parts,
     shortest,
     splice::{Object, list_text},
@@ -24,6 +25,7 @@ use base64::{Engine as _, engine::general_purpose::STANDARD};
 use inkrig_motion::{
     Clip,
     glam::{DMat3, DQuat, DVec3},
+    keyframes::KeyedClip,
 };
 use serde_json::json;
 use std::collections::HashSet;
@@ -49,10 +51,11 @@ pub(super) fn insert(
     let clip_from_file = clip_from_file(options.metres_per_unit, options.up);
     let stage = pose::stage(&figure, &forest, clip_from_file);
     check_skeleton(&stage, clip)?;
-    let motion = Locals::new(&stage, &forest, Placed::origin(clip_from_file), clip).motions()?;
+    let mut findings = Vec::new();
+    let locals = Locals::new(&stage, &forest, Placed::origin(clip_from_file), clip);
+    let motion = locals.motions(options.keys.as_ref(), &mut findings)?;
     let text = std::str::from_utf8(container.json).unwrap_or_default();
     let mut top = Object::parse(text)?;
-    let mut findings = Vec::new();
     free_matrices(&mut top, &figure, &forest, &mut findings)?;
     let mut parts = parts_after(&document, &container);
     let (name, replaced) = name_and_place(&document, options);
@@ -122,13 +125,18 @@ impl<'s> Locals<'s> {
         Self { stage, forest, origin, clip, joint }
     }
 
-    fn motions(&self) -> Result<Vec<NodeMotion>, FormatError> {
+    fn motions(
+        &self,
+        keyed: Option<&KeyedClip>,
+        findings: &mut Vec<Finding>,
+    ) -> Result<Vec<NodeMotion>, FormatError> {
         let frames = self.clip.frames();
         let mut motions: Vec<Option<NodeMotion>> = (self.stage.figure.joints.iter())
             .map(|joint| {
                 let (rotations, translations) =
                     (Vec::with_capacity(frames), Some(Vec::with_capacity(frames)));
-                (!joint.end_site).then_some(NodeMotion { node: joint.node, rotations, translations })
+                let node = joint.node;
+                (!joint.end_site).then_some(NodeMotion { node, rotations, translations, keys: None })
             })
             .collect();
         let mut leaves = vec![false; motions.len()];
@@ -167,7 +175,33 @@ impl<'s> Locals<'s> {
                 motion.translations = None;
             }
         }
+        if let Some(keyed) = keyed {
+            self.add_keys(keyed, &mut motions, findings);
+        }
         Ok(motions.into_iter().flatten().collect())
+    }
+
+    /// Few keys where a node's numbers go along with its joint's in a fixed way.
+    fn add_keys(&self, keyed: &KeyedClip, motions: &mut [Option<NodeMotion>], findings: &mut Vec<Finding>) {
+        let mut dense = 0;
+        for (joint, motion) in motions.iter_mut().enumerate() {
+            let Some(motion) = motion else { continue };
+            let rest = self.stage.rest.get(motion.node).map_or(DQuat::IDENTITY, |placed| placed.turned);
+            let above = self.above(motion.node, &self.stage.rest).world.matrix3;
+            motion.keys = keys::of_node(keyed, self.clip, joint, motion, (rest, above));
+            dense += usize::from(motion.keys.is_none());
+            // What the joint never does the node does by rounding alone.
+            let keys = motion.keys.as_ref();
+            if let (true, Some(&first)) =
+                (keys.is_some_and(|keys| keys.rotations.len() == 1), motion.rotations.first())
+            {
+                motion.rotations.fill(first);
+            }
+        }
+        if dense > 0 {
+            let message = format!("joints whose scales allow no few keys: {dense}; they have a key a frame");
+            findings.push(Finding::warning("gltf-dense-keys", message));
+        }
     }
 
     /// How a joint's node has to stand in its parent for the joint to be at `place`, turned by `turn` since the rest

@@ -3,6 +3,7 @@
 mod animation;
 mod body;
 mod insert;
+mod keys;
 mod parts;
 mod splice;
 mod vrma;
@@ -12,14 +13,14 @@ pub use vrma::write_vrma;
 use super::container;
 use crate::{ExportOptions, FormatError, Written};
 use animation::{NodeMotion, animation, check_places};
-use inkrig_motion::{Clip, glam::Vec3};
+use inkrig_motion::{Clip, glam::Vec3, keyframes::KeyedClip};
 use parts::Parts;
 use serde_json::{Map, Value, json};
 
 /// What a clip without a name is called.
 const CLIP_NAME: &str = "motion";
 
-/// Writes a clip as a GLB: metres, y up, one key a frame.
+/// Writes a clip as a GLB: metres, y up, one key a frame, or the few of [`ExportOptions::keys`].
 ///
 /// With [`ExportOptions::original`] the clip is put into that file, whose mesh, skin, materials and textures stay as
 /// they are; the clip must be of its skeleton. Without, the file holds the skeleton, the clip, and a body of capsules.
@@ -74,7 +75,7 @@ fn bare(clip: &Clip, options: &ExportOptions) -> Result<(Value, Vec<u8>), Format
     let matrices = inverse_binds(&skeleton.rest_positions(), &joints, &mut parts);
     nodes.push(json!({ "name": "body", "mesh": 0, "skin": 0 }));
     top.push(nodes.len() - 1);
-    let motion = motions(clip);
+    let motion = motions(clip, options.keys.as_ref());
     let name = options.name.as_deref().unwrap_or(CLIP_NAME);
     let animation = animation(name, clip.frame_rate(), &motion, &mut parts)?;
     let material = json!({
@@ -136,12 +137,13 @@ fn is_tip(clip: &Clip, joint: usize) -> bool {
 }
 
 /// What each joint does, in a skeleton whose nodes are its joints.
-fn motions(clip: &Clip) -> Vec<NodeMotion> {
+fn motions(clip: &Clip, keyed: Option<&KeyedClip>) -> Vec<NodeMotion> {
     let joints = (0..clip.skeleton().len()).filter(|&joint| !is_tip(clip, joint));
     let motion = |joint: usize| NodeMotion {
         node: joint,
         rotations: (0..clip.frames()).filter_map(|frame| clip.rotations(frame).get(joint).copied()).collect(),
         translations: clip.track(joint).map(<[Vec3]>::to_vec),
+        keys: keyed.map(|keyed| keys::plain(keyed, joint)),
     };
     joints.map(motion).collect()
 }

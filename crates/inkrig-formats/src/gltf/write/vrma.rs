@@ -40,8 +40,10 @@ const REQUIRED: [&str; 15] = [
 /// the hips have translations, and eyes have none: what a clip has beyond that is left out, with a finding.
 ///
 /// # Errors
-/// [`FormatError::Write`] when a bone that every VRM has is not known, or a joint stands beyond 1e12 m.
+/// [`FormatError::Write`] when a bone that every VRM has is not known, a joint stands beyond 1e12 m, or for keys with curves,
+/// which are not written.
 pub fn write_vrma(clip: &Clip, options: &ExportOptions) -> Result<Written, FormatError> {
+    options.check_no_curves("VRMA")?;
     let bones = bones(clip, options)?;
     let rest = TPose::of(clip, &bones);
     let mut parts = Parts::default();
@@ -210,6 +212,7 @@ fn motions(clip: &Clip, bones: &[Bone]) -> Vec<NodeMotion> {
             node,
             rotations: Vec::with_capacity(clip.frames()),
             translations: bone.parent.is_none().then(|| Vec::with_capacity(clip.frames())),
+            keys: None,
         })
         .collect();
     for frame in 0..clip.frames() {

@@ -1,0 +1,208 @@
+//! Fewest keys for a part of a motion.
+
+use super::body::{Allowed, Body, Scope};
+use super::fit::{Knot, Numbers, Piece, SAMPLES};
+use super::reference::{Reference, slope, unit};
+use crate::Skeleton;
+
+/// Keys of every channel for the frames from `first` to `last`, both included; none of a channel that is still. Keys stand
+/// on the `given` frames (rising), exactly as the motion is there.
+pub(super) fn thin(
+    skeleton: &Skeleton,
+    references: &[Reference],
+    (first, last): (usize, usize),
+    given: &[usize],
+    allowed: Allowed,
+) -> Vec<Vec<Knot>> {
+    let body = Body::new(skeleton, references, first * SAMPLES..last * SAMPLES + 1);
+    let given: Vec<bool> = (first..=last)
+        .map(|frame| frame == first || frame == last || given.binary_search(&frame).is_ok())
+        .collect();
+    let heights = heights(skeleton, references);
+    let highest = heights.iter().copied().max().unwrap_or(0).max(1) as f64;
+    let mut thinner = Thinner { body, first, allowed, given, target: Vec::new(), weights: Vec::new() };
+    let mut all: Vec<Vec<Knot>> = vec![Vec::new(); references.len()];
+    for (reference, knots) in references.iter().zip(&mut all).filter(|(reference, _)| !reference.still) {
+        let height = heights[reference.joint] + usize::from(!reference.turns);
+        let share = 1.0 - (1.0 - FIRST) * (height as f64 / highest).min(1.0);
+        *knots = thinner.fewest(reference, Scope::Near(share));
+    }
+    for (reference, knots) in references.iter().zip(&mut all).filter(|(reference, _)| !reference.still).rev() {
+        thinner.take_out(reference, knots);
+        thinner.smooth(reference, knots);
+    }
+    all
+}
+
+/// How many joints with curves of their own hang below each, one on the other.
+fn heights(skeleton: &Skeleton, references: &[Reference]) -> Vec<usize> {
+    let mut moves = vec![false; skeleton.len()];
+    references.iter().filter(|reference| !reference.still).for_each(|r| moves[r.joint] = true);
+    let mut heights = vec![0; skeleton.len()];
+    for joint in (0..skeleton.len()).rev() {
+        if let Some(parent) = skeleton.joints()[joint].parent {
+            heights[parent] = heights[parent].max(heights[joint] + usize::from(moves[joint]));
+        }
+    }
+    heights
+}
+
+struct Thinner<'s> {
+    body: Body<'s>,
+    /// Frame that the body begins with.
+    first: usize,
+    allowed: Allowed,
+    /// Frames that must be keys.
+    given: Vec<bool>,
+    /// What the channel should do, from the body's first sample on.
+    target: Vec<Numbers>,
+    weights: Vec<f64>,
+}
+
+/// What part of the tolerance the joint on which all others hang may spend; those at the ends may spend it all.
+const FIRST: f64 = 0.6;
+
+/// Longest way between two keys, frames.
+const LONGEST: usize = 120;
+
+/// So many lengths in a row that cannot be bridged end the search for a longer one.
+const HOPELESS: usize = 5;
+
+/// How often a piece is fitted anew, with more weight on what was farthest off (Lawson 1961).
+const FITS: usize = 7;
+
+impl Thinner<'_> {
+    /// The fewest keys of a channel, every frame being looked at for one (shortest path), and makes it so.
+    fn fewest(&mut self, reference: &Reference, scope: Scope) -> Vec<Knot> {
+        self.target = self.body.target(reference, self.first * SAMPLES, self.allowed);
+        let values: Vec<Numbers> = self.target.iter().step_by(SAMPLES).copied().collect();
+        let last = values.len() - 1;
+        // For each frame how many keys lead to it, and the curve from the one before.
+        let mut ways: Vec<Option<(usize, Piece)>> = vec![None; last + 1];
+        for from in 0..last {
+            let keys = ways[from].map_or(0, |(keys, _)| keys);
+            let mut failed = 0;
+            for to in from + 1..=last.min(from + LONGEST) {
+                if ways[to].is_none_or(|(least, _)| keys + 1 < least) {
+                    let slopes = [slope(&values, from), slope(&values, to)];
+                    let mut piece = Piece { length: to - from, from: values[from], to: values[to], slopes };
+                    if self.fitted(reference, &mut piece, from, scope) {
+                        ways[to] = Some((keys + 1, piece));
+                        failed = 0;
+                    } else {
+                        failed += 1;
+                    }
+                }
+                if failed == HOPELESS || self.given[to] {
+                    break;
+                }
+            }
+        }
+        let mut knots = Vec::new();
+        let (mut frame, mut after) = (last, None);
+        loop {
+            let before = ways[frame].map(|(_, piece)| piece);
+            let slopes = [before.map(|piece| piece.slopes[1]), after];
+            knots.push(Knot {
+                frame: self.first + frame,
+                value: values[frame],
+                slope_in: slopes[0].or(slopes[1]).unwrap_or_default(),
+                slope_out: slopes[1].or(slopes[0]).unwrap_or_default(),
+            });
+            let Some(piece) = before else { break };
+            after = Some(piece.slopes[0]);
+            frame -= piece.length;
+        }
+        knots.reverse();
+        for pair in knots.windows(2) {
+            let [from, to] = pair else { continue };
+            self.set(reference, &Piece::between(from, to), from.frame);
+        }
+        knots
+    }
+
+    /// Fits a piece that begins at a frame of the body; whether it keeps to what is allowed. A piece of one frame always
+    /// does.
+    fn fitted(&mut self, reference: &Reference, piece: &mut Piece, from: usize, scope: Scope) -> bool {
+        if piece.length == 1 {
+            return true;
+        }
+        let (start, count) = (from * SAMPLES, piece.length * SAMPLES);
+        let mut weights = std::mem::take(&mut self.weights);
+        weights.clear();
+        weights.extend((0..=count).map(|sample| if sample % SAMPLES == 0 { 1.0 } else { 0.25 }));
+        let mut fits = false;
+        for fit in 0..FITS {
+            if !piece.fit(&self.target[start..=start + count], &weights) {
+                break;
+            }
+            let (mut worst, mut squares, mut sum) = (0.0_f64, 0.0, 0.0);
+            for (sample, value) in piece.samples().enumerate().take(count).skip(1) {
+                let error = self.error(reference, start + sample, value, scope);
+                worst = worst.max(error);
+                squares += weights[sample] * error * error;
+                sum += weights[sample];
+                weights[sample] *= error + 0.05;
+            }
+            fits = worst <= 1.0;
+            // No other slopes have a smaller largest error than this mean, but for its not being quite linear.
+            if fits || (fit == 0 && worst > 4.0) || squares > 1.03 * sum {
+                break;
+            }
+            weights.iter_mut().for_each(|weight| *weight /= sum);
+        }
+        self.weights = weights;
+        fits
+    }
+
+    fn error(&self, reference: &Reference, sample: usize, value: Numbers, scope: Scope) -> f64 {
+        let value = if reference.turns { unit(value) } else { value };
+        self.body.error(reference, (sample, self.first * SAMPLES), &value, (self.allowed, scope))
+    }
+
+    fn set(&mut self, reference: &Reference, piece: &Piece, frame: usize) {
+        let start = (frame - self.first) * SAMPLES;
+        let values = piece.samples().map(|value| if reference.turns { unit(value) } else { value });
+        self.body.set(reference, start, values);
+    }
+
+    /// Takes out keys where the whole body stays where it should be.
+    fn take_out(&mut self, reference: &Reference, knots: &mut Vec<Knot>) {
+        self.target = self.body.target(reference, self.first * SAMPLES, self.allowed);
+        let mut index = 1;
+        while index + 1 < knots.len() {
+            let (before, after) = (knots[index - 1], knots[index + 1]);
+            let mut piece = Piece::between(&before, &after);
+            let free = !self.given[knots[index].frame - self.first] && piece.length <= LONGEST;
+            if free && self.fitted(reference, &mut piece, before.frame - self.first, Scope::All) {
+                self.set(reference, &piece, before.frame);
+                knots[index - 1].slope_out = piece.slopes[0];
+                knots[index + 1].slope_in = piece.slopes[1];
+                knots.remove(index);
+            } else {
+                index += 1;
+            }
+        }
+    }
+
+    /// Takes the corners out of a curve where the body stays where it should be without them.
+    fn smooth(&mut self, reference: &Reference, knots: &mut [Knot]) {
+        for index in 1..knots.len().saturating_sub(1) {
+            let (before, mut knot, after) = (knots[index - 1], knots[index], knots[index + 1]);
+            let mean: Numbers = std::array::from_fn(|i| 0.5 * (knot.slope_in[i] + knot.slope_out[i]));
+            (knot.slope_in, knot.slope_out) = (mean, mean);
+            let pieces = [(Piece::between(&before, &knot), &before), (Piece::between(&knot, &after), &knot)];
+            let holds = pieces.iter().all(|(piece, from)| {
+                let start = (from.frame - self.first) * SAMPLES;
+                let inner = piece.samples().enumerate().take(piece.length * SAMPLES).skip(1);
+                inner.into_iter().all(|(sample, value)| {
+                    self.error(reference, start + sample, value, Scope::All) <= 1.0
+                })
+            });
+            if holds {
+                pieces.iter().for_each(|(piece, from)| self.set(reference, piece, from.frame));
+                knots[index] = knot;
+            }
+        }
+    }
+}
