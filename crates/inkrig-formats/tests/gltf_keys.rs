@@ -1,12 +1,17 @@
 //! Few keys in glTF files, and what formats without them say.
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "functions beside the tests may fail too")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::print_stdout,
+    reason = "functions beside the tests may fail too, and shared ones print"
+)]
 
 mod common;
 
 use common::{Difference, gltf::Doc};
 use inkrig_formats::{
-    ClipChoice, ExportOptions, Format, HUMAN_BONES, HumanBone, ImportOptions, no_files, read_gltf,
-    write_bvh, write_glb, write_motion,
+    ClipChoice, ExportOptions, Format, HUMAN_BONES, HumanBone, ImportOptions, no_files, read_gltf, write_bvh,
+    write_glb, write_motion,
 };
 use inkrig_motion::{
     Clip, Joint, Skeleton, TranslationTrack,
@@ -55,9 +60,7 @@ fn samplers(bytes: &[u8]) -> Vec<(String, u64)> {
     let animation = document["animations"].as_array().unwrap().last().unwrap();
     let samplers = animation["samplers"].as_array().unwrap().iter();
     let keys = |index: &Value| document["accessors"][index.as_u64().unwrap() as usize]["count"].as_u64();
-    samplers
-        .map(|s| (s["interpolation"].as_str().unwrap().to_string(), keys(&s["input"]).unwrap()))
-        .collect()
+    samplers.map(|s| (s["interpolation"].as_str().unwrap().to_string(), keys(&s["input"]).unwrap())).collect()
 }
 
 #[test]
@@ -130,8 +133,7 @@ fn keys_go_into_a_figure_whose_nodes_rest_at_any_angle() {
         let clip = Clip::new(own, 30.0, rotations.collect(), vec![track]).unwrap();
         let keyed = sparse(&clip, &SparseOptions::default());
         let frames = keyed.clip().unwrap();
-        let options =
-            ExportOptions { keys: Some(keyed.clone()), ..ExportOptions::like(&import.source) };
+        let options = ExportOptions { keys: Some(keyed.clone()), ..ExportOptions::like(&import.source) };
         let written = write_glb(&frames, &options).unwrap();
         let codes: Vec<&str> = written.findings.iter().map(|finding| finding.code).collect();
         assert_eq!(codes.contains(&"gltf-dense-keys"), dense, "{codes:?}");

@@ -1,5 +1,9 @@
 //! Real walks as few keys.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "functions beside the tests may fail too, and print")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "functions beside the tests may fail too, and print"
+)]
 
 mod common;
 
@@ -12,7 +16,10 @@ use inkrig_motion::keyframes::{SparseOptions, deviation, sparse};
 fn walks_need_a_quarter_of_their_keys() {
     let Some(files) = common::reference_files("bvh") else { return };
     let walks = ["07/07_02", "07/07_03", "35/35_01", "35/35_12", "35/35_29"];
-    println!("{:<10}{:>8}{:>10}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}", "walk", "frames", "channels", "dense", "keys", "%", "mm", "degrees", "smooth");
+    println!(
+        "{:<10}{:>8}{:>10}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}",
+        "walk", "frames", "channels", "dense", "keys", "%", "mm", "degrees", "smooth"
+    );
     for name in walks {
         let path = files.iter().find(|file| file.ends_with(format!("cmu/{name}.bvh"))).unwrap();
         let clip = read_bvh(&std::fs::read(path).unwrap(), &ImportOptions::default()).unwrap().clip;

@@ -50,6 +50,11 @@ impl Console {
         Self { json, quiet, interrupt }
     }
 
+    /// The same, but for saying nothing.
+    pub fn quietly(&self) -> Self {
+        Self { json: false, quiet: true, interrupt: self.interrupt.clone() }
+    }
+
     /// Prints a line for people on standard output, unless JSON was asked for.
     ///
     /// # Errors

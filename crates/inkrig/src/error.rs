@@ -138,6 +138,56 @@ pub enum CliError {
         /// Why, and what to do.
         cause: String,
     },
+    /// An argument on keys that goes with another way to make them.
+    #[error("{flag} goes with --bake {mode}")]
+    #[diagnostic(help("--bake sparse --tolerance 1mm,0.5deg, or --bake stepped --on 2s"))]
+    Bake {
+        /// The flag.
+        flag: &'static str,
+        /// What it goes with.
+        mode: &'static str,
+    },
+    /// A key at a time that the result does not have.
+    #[error(
+        "--keep-key {time} is not in the result, which has {frames} frames ({} s), counted from 0",
+        printable::fixed(*seconds, 2)
+    )]
+    KeepKey {
+        /// What was asked for.
+        time: crate::span::Length,
+        /// Frames of the result.
+        frames: usize,
+        /// Its length, seconds.
+        seconds: f64,
+    },
+    /// A record beside a result that is not what inkrig writes.
+    #[error("{} is no record of a result: {}", printable::path(path), printable::text(what))]
+    Sidecar {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
+    /// A run cannot be repeated as it was.
+    #[error("{}: {}", printable::path(path), printable::text(what))]
+    #[diagnostic(help("{help}"))]
+    Redo {
+        /// The record or the input.
+        path: PathBuf,
+        /// What is different.
+        what: String,
+        /// What to do.
+        help: &'static str,
+    },
+    /// A repeated run wants a file that the first has not read.
+    #[error(
+        "{} is not among the inputs of the record, or has changed since it was checked",
+        printable::path(path)
+    )]
+    OtherInput {
+        /// The file.
+        path: PathBuf,
+    },
     /// Two results would go to one file, or a result over an input.
     #[error("{} is named twice: every input and result needs a name of its own", printable::path(.0))]
     SameFile(PathBuf),

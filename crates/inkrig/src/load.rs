@@ -3,6 +3,7 @@
 use crate::cli::{ImportArgs, Up};
 use crate::clip_path;
 use crate::error::CliError;
+use crate::inputs;
 use crate::printable;
 use inkrig_formats::{
     ClipChoice, Finding, Format, Import, ImportOptions, Severity, UpAxis, companion_beside, read_in_folder,
@@ -44,7 +45,11 @@ pub fn motion(path: &Path, args: &ImportArgs) -> Result<Import, CliError> {
     let bytes = bytes(path, options.limits.bytes)?;
     // A .gltf may name files beside it.
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let files = |name: &str, most: usize| read_in_folder(folder, name, most);
+    let files = |name: &str, most: usize| {
+        let bytes = read_in_folder(folder, name, most)?;
+        inputs::note(&folder.join(name), &bytes).map_err(std::io::Error::other)?;
+        Ok(bytes)
+    };
     read_motion(&bytes, format, &options, &files)
         .map_err(|error| CliError::Format { path: path.to_path_buf(), cause: Box::new(error) })
 }
@@ -113,5 +118,21 @@ fn bytes(path: &Path, most: usize) -> Result<Vec<u8>, CliError> {
     if bytes.len() > most {
         return Err(CliError::TooLarge { path: path.to_path_buf(), most });
     }
+    inputs::note(path, &bytes)?;
+    Ok(bytes)
+}
+
+/// The bytes of a file of known size that is only compared.
+///
+/// # Errors
+/// When it cannot be read or is larger.
+pub(crate) fn any_bytes(path: &Path, size: u64) -> Result<Vec<u8>, CliError> {
+    let most = ImportOptions::default().limits.bytes;
+    let read = |cause| CliError::Read { path: path.to_path_buf(), cause };
+    if size > most as u64 {
+        return Err(CliError::TooLarge { path: path.to_path_buf(), most });
+    }
+    let mut bytes = Vec::new();
+    File::open(path).map_err(read)?.take(size.saturating_add(1)).read_to_end(&mut bytes).map_err(read)?;
     Ok(bytes)
 }

@@ -1,6 +1,6 @@
 //! The program `inkrig`. Everything of substance is in the library beside it.
 
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
 use inkrig::cli::Cli;
 use std::process::ExitCode;
 
@@ -13,7 +13,9 @@ fn main() -> ExitCode {
         .with_env_filter(tracing_subscriber::EnvFilter::from_env("INKRIG_LOG"))
         .with_writer(std::io::stderr)
         .init();
-    match inkrig::commands::run(Cli::parse()) {
+    let matches = Cli::command().get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    match inkrig::commands::run(cli, &matches) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             let code = error.exit_code();

@@ -6,6 +6,7 @@ use crate::preview::Guide;
 use crate::{load, show};
 use inkrig_align::{Alignment, Control};
 use inkrig_formats::{ExportOptions, Format, KeptRow, SourceInfo, write_motion};
+use inkrig_motion::keyframes::KeyedClip;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,8 @@ pub(crate) struct Made<'a> {
     pub(crate) guide: Option<&'a Guide>,
     /// Rows of an earlier result that are written as they stand there.
     pub(crate) kept: Vec<KeptRow>,
+    /// The motion as few keys.
+    pub(crate) keys: Option<KeyedClip>,
 }
 
 /// Where it goes.
@@ -69,6 +72,7 @@ pub(crate) fn write<R: Serialize>(
         &ExportOptions {
             name: Some(made.title.to_string()),
             kept: made.kept.clone(),
+            keys: made.keys.clone(),
             ..ExportOptions::in_format(format, made.source)
         },
     )?;

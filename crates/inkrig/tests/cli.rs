@@ -1,6 +1,8 @@
 //! The program as a user meets it.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and prints")]
 
+#[path = "cli/bake.rs"]
+mod bake;
 #[path = "cli/bench.rs"]
 mod bench;
 #[path = "cli/clips.rs"]
@@ -21,6 +23,8 @@ mod keys;
 mod model;
 #[path = "cli/over_ground.rs"]
 mod over_ground;
+#[path = "cli/redo.rs"]
+mod redo;
 #[path = "cli/retarget.rs"]
 mod retarget;
 #[path = "cli/stop.rs"]
@@ -96,7 +100,7 @@ fn a_clip_follows_a_drawing_and_everything_asked_for_is_there() {
     assert_eq!(import.clip.frames(), 120);
     assert!(text(&std::fs::read(folder.join("p.html")).unwrap()).starts_with("<!"));
     assert!(std::fs::read(folder.join("s.png")).unwrap().starts_with(b"\x89PNG"));
-    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 6, "nothing else is left behind");
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 7, "nothing else is left behind");
 }
 
 #[test]

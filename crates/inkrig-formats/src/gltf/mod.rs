@@ -9,11 +9,13 @@ mod document;
 mod figure;
 mod forest;
 mod humanoid;
+mod licence;
 mod pose;
 mod track;
 mod write;
 
 pub use humanoid::{HUMAN_BONES, HumanBone};
+pub use licence::gltf_licence;
 pub(crate) use write::write_into_gltf;
 pub use write::{write_glb, write_vrma};
 

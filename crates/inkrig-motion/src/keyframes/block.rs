@@ -27,7 +27,8 @@ pub(super) fn thin(
         let share = 1.0 - (1.0 - FIRST) * (height as f64 / highest).min(1.0);
         *knots = thinner.fewest(reference, Scope::Near(share));
     }
-    for (reference, knots) in references.iter().zip(&mut all).filter(|(reference, _)| !reference.still).rev() {
+    for (reference, knots) in references.iter().zip(&mut all).filter(|(reference, _)| !reference.still).rev()
+    {
         thinner.take_out(reference, knots);
         thinner.smooth(reference, knots);
     }
@@ -195,9 +196,9 @@ impl Thinner<'_> {
             let holds = pieces.iter().all(|(piece, from)| {
                 let start = (from.frame - self.first) * SAMPLES;
                 let inner = piece.samples().enumerate().take(piece.length * SAMPLES).skip(1);
-                inner.into_iter().all(|(sample, value)| {
-                    self.error(reference, start + sample, value, Scope::All) <= 1.0
-                })
+                inner
+                    .into_iter()
+                    .all(|(sample, value)| self.error(reference, start + sample, value, Scope::All) <= 1.0)
             });
             if holds {
                 pieces.iter().for_each(|(piece, from)| self.set(reference, piece, from.frame));

@@ -152,7 +152,8 @@ impl KeyedClip {
                     let step = length / self.frame_rate;
                     std::array::from_fn(|i| {
                         let ends = a * f64::from(from.value[i]) + b * f64::from(to.value[i]);
-                        (ends + step * (m * f64::from(from.slope_out[i]) + n * f64::from(to.slope_in[i]))) as f32
+                        (ends + step * (m * f64::from(from.slope_out[i]) + n * f64::from(to.slope_in[i])))
+                            as f32
                     })
                 }
                 _ => from.value,

@@ -47,7 +47,8 @@ impl Reference {
             let &[from, to] = pair else { continue };
             let slopes = [slope(values, frame), slope(values, frame + 1)];
             let curve = Piece { length: 1, from, to, slopes };
-            samples.extend(curve.samples().take(SAMPLES).map(|value| if turns { unit(value) } else { value }));
+            samples
+                .extend(curve.samples().take(SAMPLES).map(|value| if turns { unit(value) } else { value }));
         }
         samples.extend(values.last());
         Self { joint, turns, still, samples }

@@ -24,8 +24,11 @@ pub fn stepped(clip: &Clip, step: f64, given: &[usize]) -> KeyedClip {
         Track { joint, keys: moving(keys.collect()) }
     });
     let translations = clip.translations().iter().map(|track| {
-        let keys = frames.iter().map(|&(frame, shown)| {
-            Key { frame, value: track.values[shown].to_array(), slope_in: [0.0; 3], slope_out: [0.0; 3] }
+        let keys = frames.iter().map(|&(frame, shown)| Key {
+            frame,
+            value: track.values[shown].to_array(),
+            slope_in: [0.0; 3],
+            slope_out: [0.0; 3],
         });
         Track { joint: track.joint, keys: moving(keys.collect()) }
     });

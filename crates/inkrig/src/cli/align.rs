@@ -1,6 +1,6 @@
 //! What can be said to `inkrig align`.
 
-use super::{ImportArgs, RootArgs};
+use super::{BakeArgs, ImportArgs, RootArgs, SidecarArgs};
 use crate::numbers;
 use crate::span::{Length, Span};
 use clap::{Args, ValueEnum, ValueHint};
@@ -29,6 +29,8 @@ Examples:
       along a path that is drawn as seen from above, with a root bone for a game engine
   inkrig align dance.bvh --curve pen.csv --fix 2s..4s --fix-from first.bvh -o second.bvh
       the third and fourth second of an earlier result stay as they are, the rest is made anew
+  inkrig align hero.glb --curve pen.csv --key 2s=frame:120 --bake sparse -o new.glb
+      few keys with curves for editing; the exact pose is one of them
 
 Curves: JSON ([[x,y],...] or [[x,y,t],...]), CSV (x,y or x,y,t; n rows without t are n frames of 30 a second), SVG (its paths).";
 
@@ -155,6 +157,12 @@ pub struct AlignArgs {
     #[arg(long, value_parser = numbers::threads, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub threads: Option<usize>,
 
+    #[command(flatten)]
+    /// The record beside the result.
+    pub sidecar: SidecarArgs,
+    #[command(flatten)]
+    /// Keys of the result.
+    pub bake: BakeArgs,
     #[command(flatten)]
     /// Where the result goes over the ground.
     pub root: RootArgs,

@@ -1,6 +1,6 @@
 //! What can be said to `inkrig convert`.
 
-use super::{ImportArgs, RootArgs};
+use super::{BakeArgs, ImportArgs, RootArgs, SidecarArgs};
 use crate::numbers;
 use crate::span::{Length, Span};
 use clap::{Args, ValueEnum, ValueHint};
@@ -16,7 +16,11 @@ Examples:
   inkrig convert 'mocap/*.amc' out --to glb
       many files to a folder; what cannot be read is said, the others are converted
   inkrig convert run.bvh cycle.bvh --loop 24 --root in-place
-      a loop of exactly 24 frames, on the spot";
+      a loop of exactly 24 frames, on the spot
+  inkrig convert walk.bvh walk.glb --bake sparse --tolerance 1mm,0.5deg
+      few keys with curves, for editing
+  inkrig convert walk.bvh walk-on-twos.bvh --bake stepped --on 2s
+      every pose held for two frames of 24 a second";
 
 /// Arguments of `inkrig convert`.
 #[derive(Debug, Args)]
@@ -42,6 +46,12 @@ pub struct ConvertArgs {
     /// Replace files that are there already
     #[arg(long)]
     pub force: bool,
+    #[command(flatten)]
+    /// The record beside the result.
+    pub sidecar: SidecarArgs,
+    #[command(flatten)]
+    /// Keys of the result.
+    pub bake: BakeArgs,
     #[command(flatten)]
     /// Where the result goes over the ground.
     pub root: RootArgs,

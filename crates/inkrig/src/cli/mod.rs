@@ -1,21 +1,27 @@
 //! The command line, as people see it.
 
 mod align;
+mod bake;
 mod bench;
 mod convert;
 mod data;
 mod model;
+mod redo;
 mod retarget;
 mod root;
+mod sidecar;
 mod suggest;
 
 pub use align::{AlignArgs, ControlArgs, Norms, PresetArg, RotationArg, SolverArg, VelocityArg};
+pub use bake::{BakeArgs, BakeMode, Hold, Tolerance};
 pub use bench::{BenchAlignArgs, BenchArgs, BenchCommand};
 pub use convert::{ConvertArgs, ToArg};
 pub use data::{CorpusArgs, DataArgs, DataCommand};
 pub use model::{ModelArgs, ModelCommand, ModelImportArgs, ModelInspectArgs, TextArg};
+pub use redo::RedoArgs;
 pub use retarget::RetargetArgs;
 pub use root::{RootArgs, RootMode};
+pub use sidecar::SidecarArgs;
 pub use suggest::SuggestArgs;
 
 use crate::numbers;
@@ -64,6 +70,9 @@ pub enum Command {
     /// Say what is in a motion file: skeleton, frames, unit, problems
     #[command(after_help = "Examples:\n  inkrig inspect walk.bvh\n  inkrig inspect walk.bvh --json")]
     Inspect(InspectArgs),
+    /// Make a result again from the record beside it, byte for byte, or check it
+    #[command(after_help = redo::EXAMPLES)]
+    Redo(RedoArgs),
     /// Suggest poses of a clip for keyframes, and map it to draw on
     #[command(after_help = suggest::EXAMPLES)]
     Suggest(SuggestArgs),

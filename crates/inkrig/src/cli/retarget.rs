@@ -1,6 +1,6 @@
 //! What can be said to `inkrig retarget`.
 
-use super::ImportArgs;
+use super::{BakeArgs, ImportArgs, SidecarArgs};
 use crate::numbers;
 use crate::span::Span;
 use clap::{Args, ValueHint};
@@ -14,6 +14,8 @@ Examples:
       one clip of several, on another skeleton, with a contact sheet
   inkrig retarget walk.bvh --onto hero.glb -o hero-walk.glb --report walk.json --strict
       the certificate as a file; nothing is written where a limit is not kept
+  inkrig retarget walk.bvh --onto hero.glb -o hero-walk.glb --bake sparse
+      few keys with curves, for editing
 
 The certificate says how exact the result is: how well limbs point where they did (limit: 5 degrees for 95 of 100
 frames), how far standing feet slide (limit: 5 mm a frame), how far it sinks into the ground (limit: 20 mm). Both
@@ -55,6 +57,12 @@ pub struct RetargetArgs {
     /// Replace files that are there already
     #[arg(long, help_heading = "More results")]
     pub force: bool,
+    #[command(flatten)]
+    /// The record beside the result.
+    pub sidecar: SidecarArgs,
+    #[command(flatten)]
+    /// Keys of the result.
+    pub bake: BakeArgs,
     #[command(flatten)]
     /// How to read the motion.
     pub import: ImportArgs,

@@ -3,31 +3,32 @@
 use super::at_rate::at_rate;
 use super::control::control;
 use super::keys::{self, Kept};
-use super::record::{Explained, Record, Solution};
+use super::record::{self, Explained, Record, Solution};
 use super::settings::options;
-use crate::cli::{AlignArgs, ImportArgs, RootMode};
+use crate::bake::{self, BakeRecord};
+use crate::cli::{AlignArgs, BakeMode, ImportArgs, RootMode};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::guide::{CANDIDATES, Suggestions, guide};
 use crate::map_picture::Canvas;
-use crate::output::Output;
 use crate::over_ground::OverGround;
+use crate::provenance::{Facts, Run};
 use crate::results::{self, Made, Places};
 use crate::span::Span;
 use crate::{clip_path, load, names, printable, span};
-use inkrig_align::{Alternative, Control, Norm, Options, align, alternatives, keys_on_map};
+use inkrig_align::{Alignment, Alternative, Control, Norm, Options, align, alternatives, keys_on_map};
 use inkrig_formats::{Import, SourceInfo};
 use inkrig_motion::{Clip, MotionError, Takes, cycle, time};
 use std::path::{Path, PathBuf};
 
-pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
-    let output = Output { force: args.force };
+pub(super) fn run(args: &AlignArgs, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
+    bake::check(&args.bake)?;
     let mut options = options(args);
     options.validate()?;
     let wishes = keys::all(args)?;
     let mut inputs = args.inputs();
     inputs.extend(keys::files(&wishes, args).into_iter().filter(|file| !args.inputs().contains(file)));
-    check_names(args, &inputs, output)?;
+    check_names(args, &inputs, run)?;
     let over_ground = OverGround::of(&args.root)?;
     let mut warnings = Vec::new();
     let Sources { takes: source, first, parts } =
@@ -48,6 +49,10 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
             .to_string();
         return Err(CliError::Fix { path: args.fix_from.clone().unwrap_or_default(), cause });
     }
+    if kept.is_some() && args.bake.bake != BakeMode::Dense {
+        let cause = "--bake makes other keys of all frames: leave it out, or --fix".to_string();
+        return Err(CliError::Fix { path: args.fix_from.clone().unwrap_or_default(), cause });
+    }
     options.keys = keys;
     // The result is written as the earlier one whose rows it keeps.
     let (kept, first) = kept.map_or((Vec::new(), first), |kept: Kept| (kept.rows, kept.source));
@@ -64,7 +69,7 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
         let (clip, ground) = over_ground.apply(alignment.clip.clone(), &mut written_as, args.cyclic)?;
         alignment.clip = clip;
         alignment.report.notes.extend(ground.notes());
-        grounds.push((written_as, ground));
+        let solved_rate = alignment.clip.frame_rate();
         if let Some(rate) = args.fps {
             // Before anything is told or shown of it, so that all results are of the clip that is written.
             alignment.clip = if args.cyclic {
@@ -73,6 +78,11 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
                 at_rate(alignment, rate)?
             };
         }
+        let exact = exact_frames(alignment, solved_rate);
+        let baked = bake::bake(alignment.clip.clone(), &args.bake, &exact)?;
+        alignment.clip = baked.clip;
+        alignment.report.notes.extend(baked.record.as_ref().map(BakeRecord::note));
+        grounds.push((written_as, ground, baked.keys, baked.record));
     }
     let told = console.json || args.report.is_some() || args.preview.is_some();
     if told && suggestions.is_none() {
@@ -83,7 +93,7 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
     let listed: Vec<Solution> =
         solutions.iter().enumerate().map(|(index, one)| Solution::of(&args.out_of(index), one)).collect();
     let mut first_record = None;
-    for (index, (Alternative { alignment, .. }, (written_as, ground))) in
+    for (index, (Alternative { alignment, .. }, (written_as, ground, few, baked))) in
         solutions.iter().zip(grounds).enumerate()
     {
         let names = clip_names(args);
@@ -97,6 +107,7 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
             control: &control,
             source: &written_as,
             kept: kept.clone(),
+            keys: few,
             guide: guide.as_ref(),
         };
         let names = Numbered::of(args, index);
@@ -113,12 +124,26 @@ pub(super) fn run(args: &AlignArgs, console: &Console) -> Result<(), CliError> {
                     &options,
                     alignment,
                     explained,
-                    ground,
+                    (ground, baked),
                     [warnings.clone(), more].concat(),
                 )
             },
-            &mut |path, bytes| Ok(output.write(path, bytes)?),
+            &mut |path, bytes| {
+                if path == names.motion {
+                    let facts = Facts {
+                        files: &args.clips,
+                        solution: index + 1,
+                        seed: Some(args.seed),
+                        gradients: Some(alignment.report.gradients),
+                        engine: Some(record::engine(args, &options)?),
+                    };
+                    run.write_motion(path, bytes, &args.sidecar, &facts)
+                } else {
+                    run.write(path, bytes)
+                }
+            },
         )?;
+        run.say(&names.motion, &args.sidecar, console)?;
         first_record.get_or_insert(record);
     }
     if args.solutions > 1 && solutions.len() == 1 {
@@ -299,16 +324,26 @@ pub(super) fn cut(clip: Clip, path: &Path, range: Option<Span>) -> Result<Clip, 
 }
 
 /// Says before any work whether the results can be written, each to a file of its own.
-fn check_names(args: &AlignArgs, inputs: &[PathBuf], output: Output) -> Result<(), CliError> {
+fn check_names(args: &AlignArgs, inputs: &[PathBuf], run: &Run<'_>) -> Result<(), CliError> {
     results::format_of(&args.out)?;
     let names: Vec<Numbered> = (0..args.solutions).map(|index| Numbered::of(args, index)).collect();
     let places = || names.iter().flat_map(|names| names.places().all());
     let inputs = clip_path::files(inputs.iter().map(PathBuf::as_path));
     names::all_differ(inputs.iter().map(PathBuf::as_path).chain(places()))?;
+    for names in &names {
+        run.check_motion(&names.motion, &args.sidecar)?;
+    }
     for path in places() {
-        output.check(path)?;
+        run.check(path)?;
     }
     Ok(())
+}
+
+/// Frames of the result that hold exact poses, as `at_rate` has placed them.
+fn exact_frames(alignment: &Alignment, solved_rate: f64) -> Vec<usize> {
+    let ratio = alignment.clip.frame_rate() / solved_rate;
+    let hard = alignment.report.keys.iter().filter(|key| key.kind == "hard");
+    hard.map(|key| ((key.seconds * solved_rate).round() * ratio).round() as usize).collect()
 }
 
 fn title(args: &AlignArgs) -> String {

@@ -1,22 +1,25 @@
 //! `inkrig convert`: motion files in other formats, one or many.
 
 use super::align::cut;
+use crate::bake::{self, BakeRecord};
 use crate::cli::ConvertArgs;
 use crate::console::Console;
 use crate::error::CliError;
-use crate::output::{Output, OutputError};
+use crate::output::OutputError;
 use crate::over_ground::{OverGround, OverGroundRecord};
 use crate::printable::{self, counted, fixed, json_path};
+use crate::provenance::{Facts, Run};
 use crate::span::seconds;
-use crate::{clip_path, load, names, results, wildcard};
+use crate::{clip_path, inputs, load, names, results, wildcard};
 use inkrig_formats::{ExportOptions, Format, Import, write_motion};
 use inkrig_motion::cycle::{LoopOptions, make_loop};
 use inkrig_motion::{lead_in, time};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-pub(super) fn run(args: &ConvertArgs, console: &Console) -> Result<(), CliError> {
-    let job = Job { args, over_ground: OverGround::of(&args.root)?, output: Output { force: args.force } };
+pub(super) fn run(args: &ConvertArgs, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
+    bake::check(&args.bake)?;
+    let job = Job { args, over_ground: OverGround::of(&args.root)?, run, read: inputs::count() };
     let inputs = wildcard::expand(&args.inputs)?;
     match (inputs.as_slice(), args.to) {
         (_, Some(to)) => job.many(&inputs, to.format(), console),
@@ -29,7 +32,9 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> Result<(), CliError>
 struct Job<'a> {
     args: &'a ConvertArgs,
     over_ground: OverGround,
-    output: Output,
+    run: &'a Run<'a>,
+    /// Files that were read for all.
+    read: usize,
 }
 
 /// What became of a file; the names are stable.
@@ -50,6 +55,7 @@ struct Converted {
     root: OverGroundRecord,
     #[serde(rename = "loop")]
     looped: Option<LoopRecord>,
+    bake: Option<BakeRecord>,
     warnings: Vec<String>,
 }
 
@@ -84,7 +90,7 @@ impl Job<'_> {
         let format = results::format_of(out)?;
         let file = clip_path::split(input).0;
         names::all_differ(self.files().chain([file.as_path(), out.as_path()]))?;
-        self.output.check(out)?;
+        self.run.check_motion(out, &self.args.sidecar)?;
         let stage = console.stage(format!("converting {}", printable::path(input)));
         let import = load::motion(input, &self.args.import)?;
         let done = self.convert(import, input, out, format)?;
@@ -93,6 +99,7 @@ impl Job<'_> {
             console.warn(warning);
         }
         console.say(done.text())?;
+        self.run.say(out, &self.args.sidecar, console)?;
         console.result(&done)
     }
 
@@ -110,8 +117,9 @@ impl Job<'_> {
             if bar.at(index, inputs.len()).is_break() {
                 break;
             }
+            inputs::forget_after(self.read);
             let done = load::motion(input, &self.args.import).and_then(|import| {
-                self.output.check(out)?;
+                self.run.check_motion(out, &self.args.sidecar)?;
                 self.convert(import, input, out, format)
             });
             match done {
@@ -185,11 +193,15 @@ impl Job<'_> {
         let (clip, root) = self.over_ground.apply(clip, &mut source, looped.is_some()).map_err(about)?;
         let name = clip_name.clone().or_else(|| Some(input.file_stem()?.to_string_lossy().into_owned()));
         // In a copy of the file that it came from, the clip takes its own place.
-        let options = ExportOptions { name, replace: true, ..ExportOptions::in_format(format, &source) };
+        let baked = bake::bake(clip, &args.bake, &[])?;
+        let clip = baked.clip;
+        let like = ExportOptions::in_format(format, &source);
+        let options = ExportOptions { name, replace: true, keys: baked.keys, ..like };
         let written = write_motion(&clip, format, &options)
             .map_err(|cause| CliError::Format { path: out.to_path_buf(), cause: Box::new(cause) })?;
         warnings.extend(load::warnings(&written.findings, out));
-        self.output.write(out, &written.bytes)?;
+        let file = [input.to_path_buf()];
+        self.run.write_motion(out, &written.bytes, &args.sidecar, &Facts::of_files(&file))?;
         Ok(Converted {
             input: json_path(input),
             output: json_path(out),
@@ -203,6 +215,7 @@ impl Job<'_> {
             rest_pose_frames,
             root,
             looped,
+            bake: baked.record,
             warnings,
         })
     }
@@ -231,6 +244,9 @@ impl Converted {
                 fixed(looped.apart_metres, 3),
                 fixed(looped.seam_ratio, 2)
             ));
+        }
+        if let Some(bake) = &self.bake {
+            text.push_str(&format!("\n{}", bake.note()));
         }
         for note in self.root.notes() {
             text.push_str(&format!("\nnote: {}", printable::text(note)));

@@ -94,6 +94,7 @@ impl Scene {
             source: &import.source,
             guide: Some(&guide),
             kept: Vec::new(),
+            keys: None,
         };
         let [motion, preview, sheet] = self.results().map(|name| files.path(&name));
         let places = Places { motion: &motion, report: None, preview: Some(&preview), sheet: Some(&sheet) };

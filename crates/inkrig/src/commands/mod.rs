@@ -13,6 +13,7 @@ mod inspect;
 mod keys;
 mod model;
 mod record;
+mod redo;
 mod retarget;
 mod settings;
 mod suggest;
@@ -20,21 +21,26 @@ mod suggest;
 use crate::cli::{Cli, Command};
 use crate::console::Console;
 use crate::error::CliError;
-use clap::CommandFactory;
+use crate::output::Output;
+use crate::provenance::{Arguments, Run, Sink};
+use clap::{ArgMatches, CommandFactory};
 
-/// Does what the command line says.
+/// Does what the command line says. `matches` are what `cli` was made of: records of results repeat them.
 ///
 /// # Errors
 /// Whatever stands in the way, with the file that it is about.
-pub fn run(cli: Cli) -> Result<(), CliError> {
+pub fn run(cli: Cli, matches: &ArgMatches) -> Result<(), CliError> {
+    let arguments = &Arguments::of(matches);
+    let run = |force| Run { arguments, sink: Sink::Disk(Output { force }) };
     let console = Console::new(cli.json, cli.quiet);
     match cli.command {
-        Command::Align(args) => align::run(&args, &console),
+        Command::Align(args) => align::run(&args, &run(args.force), &console),
         Command::Bench(args) => bench::run(&args, &console),
-        Command::Convert(args) => convert::run(&args, &console),
+        Command::Convert(args) => convert::run(&args, &run(args.force), &console),
         Command::Data(args) => data::run(&args, &console),
-        Command::Retarget(args) => retarget::run(&args, &console),
+        Command::Retarget(args) => retarget::run(&args, &run(args.force), &console),
         Command::Demo(args) => demo::run(&args, &console),
+        Command::Redo(args) => redo::run(&args, &console),
         Command::Inspect(args) => inspect::run(&args, &console),
         Command::Model(args) => model::run(&args, &console),
         Command::Suggest(args) => suggest::run(&args, &console),

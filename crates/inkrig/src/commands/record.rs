@@ -1,6 +1,8 @@
 //! The report file: the numbers first, flat, then all that is needed to make the result again.
 
+use crate::bake::BakeRecord;
 use crate::cli::{AlignArgs, PresetArg, Up};
+use crate::error::CliError;
 use crate::guide::{CandidateFacts, Suggestions, round};
 use crate::over_ground::OverGroundRecord;
 use crate::printable::json_path;
@@ -20,6 +22,8 @@ pub(super) struct Record<'a> {
     seconds: f64,
     /// What carries the travel, and the path.
     root: OverGroundRecord,
+    /// Keys before and after, where they are not one a frame.
+    bake: Option<BakeRecord>,
     program: &'static str,
     inputs: Vec<String>,
     /// A wave or labels, where they were given as text.
@@ -42,7 +46,7 @@ impl<'a> Record<'a> {
         options: &Options,
         alignment: &'a Alignment,
         explained: Explained,
-        root: OverGroundRecord,
+        (root, bake): (OverGroundRecord, Option<BakeRecord>),
         warnings: Vec<String>,
     ) -> Self {
         let clip = &alignment.clip;
@@ -52,6 +56,7 @@ impl<'a> Record<'a> {
             frame_rate: clip.frame_rate(),
             seconds: seconds(clip),
             root,
+            bake,
             program: concat!("inkrig ", env!("CARGO_PKG_VERSION")),
             inputs: inputs.iter().map(|path| json_path(path)).collect(),
             control: args.control.text().map(str::to_string),
@@ -62,6 +67,14 @@ impl<'a> Record<'a> {
             parameters: Parameters::of(args, options),
         }
     }
+}
+
+/// What the engine made of what was said.
+pub(super) fn engine(args: &AlignArgs, options: &Options) -> Result<serde_json::Value, CliError> {
+    let mut parameters = serde_json::to_value(Parameters::of(args, options))?;
+    // The only one that takes no part in the result.
+    parameters.as_object_mut().map(|parameters| parameters.remove("threads"));
+    Ok(parameters)
 }
 
 /// Why the result is as it is, and what else may be asked for.

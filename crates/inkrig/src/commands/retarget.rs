@@ -2,26 +2,27 @@
 
 use super::align::{cut, motion};
 use super::certificate::CertificateRecord;
-use crate::cli::{ImportArgs, RetargetArgs};
+use crate::bake::{self, BakeRecord, Baked};
+use crate::cli::{BakeMode, ImportArgs, RetargetArgs};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::output::Output;
 use crate::printable::{self, counted, fixed, json_path};
+use crate::provenance::{Facts, Run};
 use crate::sheet::{SheetOptions, contact_sheet};
 use crate::span::seconds;
 use crate::{clip_path, load, names, results};
 use inkrig_formats::{ExportOptions, Import, write_motion};
 use inkrig_motion::retarget::{
-    Certificate, CertificateLimits, RetargetError, RetargetOptions, Retargeted, retarget, standing_pose,
+    Certificate, CertificateLimits, RetargetError, RetargetOptions, retarget, standing_pose,
 };
 use inkrig_motion::{Clip, time};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-pub(super) fn run(args: &RetargetArgs, console: &Console) -> Result<(), CliError> {
-    let output = Output { force: args.force };
+pub(super) fn run(args: &RetargetArgs, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
+    bake::check(&args.bake)?;
     let format = results::format_of(&args.out)?;
-    check_names(args, output)?;
+    check_names(args, run)?;
     let mut warnings = Vec::new();
     let import = motion(&args.motion, &args.import, console, &mut warnings)?;
     let character = motion(&args.onto, &ImportArgs::default(), console, &mut warnings)?;
@@ -32,34 +33,44 @@ pub(super) fn run(args: &RetargetArgs, console: &Console) -> Result<(), CliError
         clip = time::resample(&clip, rate)?;
     }
     let stage = console.stage("carrying the motion over");
-    let (moved, certificate) = carry_over(args, &clip, &character)?;
+    let (baked, certificate) = carry_over(args, &clip, &character)?;
     let broken = certificate.broken(&CertificateLimits::default());
     let certificate = CertificateRecord::of(&certificate, &broken);
     let refused = args.strict && !broken.is_empty();
     let mut files: Vec<(&Path, Vec<u8>)> = Vec::new();
     if !refused {
-        let options =
-            ExportOptions { name: Some(name), ..ExportOptions::in_format(format, &character.source) };
-        let written = write_motion(&moved.clip, format, &options)?;
+        let options = ExportOptions {
+            name: Some(name),
+            keys: baked.keys.clone(),
+            ..ExportOptions::in_format(format, &character.source)
+        };
+        let written = write_motion(&baked.clip, format, &options)?;
         for warning in load::warnings(&written.findings, &args.out) {
             console.warn(&warning);
             warnings.push(warning);
         }
         files.push((&args.out, written.bytes));
         if let Some(path) = &args.sheet {
-            files.push((path, contact_sheet(&moved.clip, &SheetOptions::default())?));
+            files.push((path, contact_sheet(&baked.clip, &SheetOptions::default())?));
         }
     }
-    let record = Record::of(args, &moved.clip, certificate, !refused, warnings);
+    let record = Record::of(args, &baked.clip, (certificate, baked.record), !refused, warnings);
     if let Some(path) = &args.report {
         // Also of a result that is refused: it says why.
         files.push((path, serde_json::to_vec_pretty(&record)?));
     }
     drop(stage);
     for (path, bytes) in &files {
-        output.write(path, bytes)?;
+        if *path == args.out {
+            run.write_motion(path, bytes, &args.sidecar, &Facts::of_files(&[args.motion.clone()]))?;
+        } else {
+            run.write(path, bytes)?;
+        }
     }
     console.say(record.text())?;
+    if !refused {
+        run.say(&args.out, &args.sidecar, console)?;
+    }
     for (path, _) in files.iter().filter(|(path, _)| *path != args.out) {
         console.say(format!("wrote {}", printable::path(path)))?;
     }
@@ -74,7 +85,7 @@ fn carry_over(
     args: &RetargetArgs,
     clip: &Clip,
     character: &Import,
-) -> Result<(Retargeted, Certificate), CliError> {
+) -> Result<(Baked, Certificate), CliError> {
     let options = RetargetOptions {
         scale: args.scale.map(|scale| scale as f32),
         keep_feet: !args.no_keep_feet,
@@ -87,9 +98,14 @@ fn carry_over(
         };
         CliError::Retarget { path: path.clone(), cause: Box::new(cause) }
     };
-    let moved = retarget(clip, character.clip.skeleton(), &options).map_err(about)?;
+    let mut moved = retarget(clip, character.clip.skeleton(), &options).map_err(about)?;
+    let baked = bake::bake(moved.clip.clone(), &args.bake, &[])?;
+    // Poses that are held are meant to stay behind, and are not measured.
+    if args.bake.bake != BakeMode::Stepped {
+        moved.clip = baked.clip.clone();
+    }
     let certificate = Certificate::of(clip, &moved).map_err(about)?;
-    Ok((moved, certificate))
+    Ok((baked, certificate))
 }
 
 /// What the clip is called in a file that names its clips.
@@ -99,7 +115,7 @@ fn name(import: &Import, path: &Path) -> String {
 }
 
 /// Says before any work whether the results can be written, each to a file of its own.
-fn check_names(args: &RetargetArgs, output: Output) -> Result<(), CliError> {
+fn check_names(args: &RetargetArgs, run: &Run<'_>) -> Result<(), CliError> {
     let places = || {
         let more = [&args.report, &args.sheet].into_iter().flatten().map(PathBuf::as_path);
         std::iter::once(args.out.as_path()).chain(more)
@@ -109,10 +125,10 @@ fn check_names(args: &RetargetArgs, output: Output) -> Result<(), CliError> {
     for input in &inputs {
         names::all_differ(std::iter::once(input.as_path()).chain(places()))?;
     }
-    for path in places() {
-        output.check(path)?;
+    for path in places().skip(1) {
+        run.check(path)?;
     }
-    Ok(())
+    run.check_motion(&args.out, &args.sidecar)
 }
 
 /// What is said of a result; the names are stable.
@@ -127,6 +143,7 @@ struct Record {
     frame_rate: f64,
     seconds: f64,
     keep_feet: bool,
+    bake: Option<BakeRecord>,
     certificate: CertificateRecord,
     warnings: Vec<String>,
 }
@@ -135,7 +152,7 @@ impl Record {
     fn of(
         args: &RetargetArgs,
         clip: &Clip,
-        certificate: CertificateRecord,
+        (certificate, bake): (CertificateRecord, Option<BakeRecord>),
         written: bool,
         warnings: Vec<String>,
     ) -> Self {
@@ -148,6 +165,7 @@ impl Record {
             frame_rate: clip.frame_rate(),
             seconds: seconds(clip),
             keep_feet: !args.no_keep_feet,
+            bake,
             certificate,
             warnings,
         }
@@ -162,6 +180,7 @@ impl Record {
             counted(self.frames, "frame"),
             (self.frame_rate * 1e3).round() / 1e3
         );
-        first + &self.certificate.text()
+        let bake = self.bake.as_ref().map(|bake| bake.note() + "\n").unwrap_or_default();
+        first + &bake + &self.certificate.text()
     }
 }

@@ -36,6 +36,7 @@ const LONGEST: f64 = 1e8;
 /// larger than the format holds.
 pub fn write_fbx(clip: &Clip, options: &ExportOptions) -> Result<Written, FormatError> {
     import::check_metres_per_unit(options.metres_per_unit)?;
+    options.check_no_curves("FBX")?;
     if clip.duration() > LONGEST {
         return Err(FormatError::Write {
             what: format!("the motion is {} s long, and an FBX holds up to 1e8 s", clip.duration()),

@@ -52,7 +52,9 @@ pub(super) fn of_node(
     let shift = places.first()?.as_dvec3() - into * track.first()?.as_dvec3();
     let size = places.iter().map(|place| place.as_dvec3().length()).fold(1e-6, f64::max);
     for (place, value) in places.iter().zip(track) {
-        if !((into * value.as_dvec3() + shift).distance(place.as_dvec3()) < 1e-5 * size) {
+        let apart = (into * value.as_dvec3() + shift).distance(place.as_dvec3());
+        // Not a number where the parent is flat.
+        if apart.is_nan() || apart > 1e-5 * size {
             return None;
         }
     }
