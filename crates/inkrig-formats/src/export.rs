@@ -1,7 +1,7 @@
 //! How a motion is written.
 
 use crate::{Channel, Finding, Format, FormatError, HumanBone, Original, SourceInfo, UpAxis};
-use inkrig_motion::keyframes::{Interpolation, KeyedClip};
+use inkrig_motion::keyframes::{Interpolation, KeyedClip, RotationForm};
 
 /// How to write a motion. The default suits most programs: centimetres, y up, the format's usual channels.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,8 +29,8 @@ pub struct ExportOptions {
     /// Rows of an earlier BVH file that are written as they stand there, in order of their frames; other formats do not
     /// look at them. The angles around them are chosen to run on into them.
     pub kept: Vec<KeptRow>,
-    /// The motion as few keys, for formats that have them (glTF); the clip that is written must be its
-    /// [`KeyedClip::clip`]. Default: none, one key a frame.
+    /// The motion as few keys, for formats that have them: glTF takes quaternions, FBX angles about its own axes. The clip
+    /// that is written must be its [`KeyedClip::clip`]. Default: none, one key a frame.
     pub keys: Option<KeyedClip>,
 }
 
@@ -83,8 +83,21 @@ impl ExportOptions {
         match &self.keys {
             Some(keys) if keys.interpolation == Interpolation::Spline => Err(FormatError::Write {
                 what: format!("{format} files hold a pose a frame, not few keys with curves between them"),
-                hint: "write a .glb, or one key a frame (--bake dense)".into(),
+                hint: "write a .glb or .fbx, or one key a frame (--bake dense)".into(),
             }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses curves of other numbers than a format has.
+    pub(crate) fn check_curves(&self, format: &str, form: RotationForm) -> Result<(), FormatError> {
+        match &self.keys {
+            Some(keys) if keys.interpolation == Interpolation::Spline && keys.form != form => {
+                Err(FormatError::Write {
+                    what: format!("the keys of rotations are not the numbers that {format} files have"),
+                    hint: "fit them in the form of the file that is written".into(),
+                })
+            }
             _ => Ok(()),
         }
     }

@@ -3,7 +3,7 @@
 use crate::{Finding, Format, FormatError, HumanBone, Limits, Original};
 use inkrig_motion::{
     Clip,
-    glam::{DQuat, DVec3},
+    glam::{DQuat, DVec3, Quat},
 };
 
 /// A motion that was read.
@@ -131,6 +131,14 @@ pub enum UpAxis {
 }
 
 impl UpAxis {
+    /// The turn that brings the axes of a file to those of a clip.
+    pub fn clip_from_file_turn(self) -> Quat {
+        match self {
+            Self::Y => Quat::IDENTITY,
+            Self::Z => Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2),
+        }
+    }
+
     /// A vector of the file with the axes of a clip. No number changes but in sign.
     pub(crate) fn clip_from_file(self, v: DVec3) -> DVec3 {
         match self {

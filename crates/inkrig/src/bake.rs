@@ -3,8 +3,9 @@
 use crate::cli::{BakeArgs, BakeMode, Hold, Tolerance};
 use crate::error::CliError;
 use crate::printable::{counted, fixed};
+use inkrig_formats::{ExportOptions, Format, SourceInfo};
 use inkrig_motion::Clip;
-use inkrig_motion::keyframes::{KeyedClip, SparseOptions, deviation, sparse, stepped};
+use inkrig_motion::keyframes::{KeyedClip, RotationForm, SparseOptions, deviation, sparse, stepped};
 use serde::Serialize;
 
 /// A motion as it is written.
@@ -58,11 +59,17 @@ pub(crate) fn check(args: &BakeArgs) -> Result<(), CliError> {
     }
 }
 
-/// Makes the keys. `exact`: frames whose poses were asked for, and so are keys.
+/// Makes the keys. `exact`: frames whose poses were asked for, and so are keys. The format and where the clip came from
+/// say which numbers rotations are written in.
 ///
 /// # Errors
 /// When a frame that is to be kept lies outside of the motion.
-pub(crate) fn bake(clip: Clip, args: &BakeArgs, exact: &[usize]) -> Result<Baked, CliError> {
+pub(crate) fn bake(
+    clip: Clip,
+    args: &BakeArgs,
+    exact: &[usize],
+    (format, source): (Format, &SourceInfo),
+) -> Result<Baked, CliError> {
     if args.bake == BakeMode::Dense {
         return Ok(Baked { clip, keys: None, record: None });
     }
@@ -82,7 +89,14 @@ pub(crate) fn bake(clip: Clip, args: &BakeArgs, exact: &[usize]) -> Result<Baked
     let step = args.on.unwrap_or(Hold::Film(2)).frames(rate).max(1.0);
     let is_sparse = args.bake == BakeMode::Sparse;
     let keys = if is_sparse {
-        sparse(&clip, &SparseOptions { metres, radians: degrees.to_radians(), given: kept.clone() })
+        let form = match format {
+            Format::Fbx => {
+                let up = ExportOptions::in_format(format, source).up;
+                RotationForm::Angles { axes: up.clip_from_file_turn() }
+            }
+            _ => RotationForm::Quaternion,
+        };
+        sparse(&clip, &SparseOptions { metres, radians: degrees.to_radians(), given: kept.clone(), form })
     } else {
         stepped(&clip, step, &kept)
     };

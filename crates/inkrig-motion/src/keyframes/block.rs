@@ -3,16 +3,19 @@
 use super::body::{Allowed, Body, Scope};
 use super::fit::{Knot, Numbers, Piece, SAMPLES};
 use super::reference::{Reference, slope, unit};
+use super::{RotationForm, angles};
 use crate::Skeleton;
+use glam::DQuat;
 
 /// Keys of every channel for the frames from `first` to `last`, both included; none of a channel that is still. Keys stand
-/// on the `given` frames (rising), exactly as the motion is there.
+/// on the `given` frames (rising), exactly as the motion is there. `before`: keys of the frames before, which angles run on from.
 pub(super) fn thin(
     skeleton: &Skeleton,
     references: &[Reference],
     (first, last): (usize, usize),
-    given: &[usize],
+    (given, form): (&[usize], RotationForm),
     allowed: Allowed,
+    before: &[Vec<Knot>],
 ) -> Vec<Vec<Knot>> {
     let body = Body::new(skeleton, references, first * SAMPLES..last * SAMPLES + 1);
     let given: Vec<bool> = (first..=last)
@@ -20,12 +23,16 @@ pub(super) fn thin(
         .collect();
     let heights = heights(skeleton, references);
     let highest = heights.iter().copied().max().unwrap_or(0).max(1) as f64;
-    let mut thinner = Thinner { body, first, allowed, given, target: Vec::new(), weights: Vec::new() };
+    let mut thinner = Thinner { body, first, form, allowed, given, target: Vec::new(), weights: Vec::new() };
     let mut all: Vec<Vec<Knot>> = vec![Vec::new(); references.len()];
-    for (reference, knots) in references.iter().zip(&mut all).filter(|(reference, _)| !reference.still) {
+    for ((reference, knots), before) in references.iter().zip(&mut all).zip(before) {
+        if reference.still {
+            continue;
+        }
         let height = heights[reference.joint] + usize::from(!reference.turns);
         let share = 1.0 - (1.0 - FIRST) * (height as f64 / highest).min(1.0);
-        *knots = thinner.fewest(reference, Scope::Near(share));
+        let before = before.last().map_or([0.0; 4], |knot| knot.value);
+        *knots = thinner.fewest(reference, before, Scope::Near(share));
     }
     for (reference, knots) in references.iter().zip(&mut all).filter(|(reference, _)| !reference.still).rev()
     {
@@ -33,6 +40,17 @@ pub(super) fn thin(
         thinner.smooth(reference, knots);
     }
     all
+}
+
+/// The numbers of a rotation of unit length; angles near to those before.
+pub(super) fn numbers(form: RotationForm, value: &Numbers, before: Numbers) -> Numbers {
+    match form {
+        RotationForm::Quaternion => *value,
+        RotationForm::Angles { axes } => {
+            let axes = axes.as_dquat();
+            angles::near((axes.inverse() * DQuat::from_array(*value) * axes).normalize(), before)
+        }
+    }
 }
 
 /// How many joints with curves of their own hang below each, one on the other.
@@ -52,6 +70,7 @@ struct Thinner<'s> {
     body: Body<'s>,
     /// Frame that the body begins with.
     first: usize,
+    form: RotationForm,
     allowed: Allowed,
     /// Frames that must be keys.
     given: Vec<bool>,
@@ -74,8 +93,8 @@ const FITS: usize = 7;
 
 impl Thinner<'_> {
     /// The fewest keys of a channel, every frame being looked at for one (shortest path), and makes it so.
-    fn fewest(&mut self, reference: &Reference, scope: Scope) -> Vec<Knot> {
-        self.target = self.body.target(reference, self.first * SAMPLES, self.allowed);
+    fn fewest(&mut self, reference: &Reference, before: Numbers, scope: Scope) -> Vec<Knot> {
+        self.aim(reference, before);
         let values: Vec<Numbers> = self.target.iter().step_by(SAMPLES).copied().collect();
         let last = values.len() - 1;
         // For each frame how many keys lead to it, and the curve from the one before.
@@ -156,20 +175,41 @@ impl Thinner<'_> {
         fits
     }
 
+    /// Finds what the channel should do; angles run on from those before.
+    fn aim(&mut self, reference: &Reference, mut before: Numbers) {
+        self.target = self.body.target(reference, self.first * SAMPLES, self.allowed);
+        for value in self.target.iter_mut().filter(|_| reference.turns) {
+            *value = numbers(self.form, value, before);
+            before = *value;
+        }
+    }
+
+    /// What the numbers of a curve are: a rotation of unit length or a translation.
+    fn pose(&self, reference: &Reference, value: Numbers) -> Numbers {
+        match self.form {
+            _ if !reference.turns => value,
+            RotationForm::Quaternion => unit(value),
+            RotationForm::Angles { axes } => {
+                let axes = axes.as_dquat();
+                (axes * angles::rotation(value) * axes.inverse()).normalize().to_array()
+            }
+        }
+    }
+
     fn error(&self, reference: &Reference, sample: usize, value: Numbers, scope: Scope) -> f64 {
-        let value = if reference.turns { unit(value) } else { value };
+        let value = self.pose(reference, value);
         self.body.error(reference, (sample, self.first * SAMPLES), &value, (self.allowed, scope))
     }
 
     fn set(&mut self, reference: &Reference, piece: &Piece, frame: usize) {
         let start = (frame - self.first) * SAMPLES;
-        let values = piece.samples().map(|value| if reference.turns { unit(value) } else { value });
-        self.body.set(reference, start, values);
+        let values: Vec<Numbers> = piece.samples().map(|value| self.pose(reference, value)).collect();
+        self.body.set(reference, start, values.into_iter());
     }
 
     /// Takes out keys where the whole body stays where it should be.
     fn take_out(&mut self, reference: &Reference, knots: &mut Vec<Knot>) {
-        self.target = self.body.target(reference, self.first * SAMPLES, self.allowed);
+        self.aim(reference, knots.first().map_or([0.0; 4], |knot| knot.value));
         let mut index = 1;
         while index + 1 < knots.len() {
             let (before, after) = (knots[index - 1], knots[index + 1]);

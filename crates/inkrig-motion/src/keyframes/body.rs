@@ -142,6 +142,9 @@ impl<'s> Body<'s> {
         let mut worst = 0.0_f64;
         if reference.turns {
             let wanted = |step: usize| &reference.samples[offset + sample + step - 1];
+            // Both signs are the same rotation.
+            let sign = value.iter().zip(wanted(1)).map(|(a, b)| a * b).sum::<f64>().signum();
+            let value = &value.map(|number| sign * number);
             let mut apart = distance(value, wanted(1));
             if between {
                 apart = apart.min(from_line(value, wanted(0), wanted(2)));

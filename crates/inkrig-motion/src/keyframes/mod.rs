@@ -3,6 +3,7 @@
 //! A [`KeyedClip`] is plain data that writers take. [`sparse`] fits one to a clip within a tolerance, [`stepped`] holds
 //! poses, [`KeyedClip::clip`] gives the frames back, [`deviation`] says how far two motions are apart.
 
+mod angles;
 mod block;
 mod body;
 mod deviation;
@@ -30,12 +31,25 @@ pub enum Interpolation {
     Spline,
 }
 
+/// The numbers of a rotation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RotationForm {
+    /// x, y, z and w of a quaternion of unit length, as in glTF.
+    Quaternion,
+    /// Angles about x, y and z, radians, and 0: about x first, then y, then z, axes that stay where they are, as in FBX. The
+    /// angles run on; they are not brought into any range.
+    Angles {
+        /// The turn that brings those axes to the clip's.
+        axes: Quat,
+    },
+}
+
 /// A value at a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Key<const N: usize> {
     /// The frame that it stands on, from 0.
     pub frame: usize,
-    /// A rotation's x, y, z and w, unit length, or a translation in metres.
+    /// A rotation as [`KeyedClip::form`] says, or a translation in metres.
     pub value: [f32; N],
     /// What the value changes by in a second just before the key. Nothing for [`Interpolation::Step`].
     pub slope_in: [f32; N],
@@ -63,6 +77,8 @@ pub struct KeyedClip {
     pub frames: usize,
     /// What happens between keys.
     pub interpolation: Interpolation,
+    /// What the numbers of rotations are.
+    pub form: RotationForm,
     /// One track for each joint, in order. One key where the joint never turns.
     pub rotations: Vec<Track<4>>,
     /// Of joints with a translation. One key where it never changes.
@@ -81,6 +97,20 @@ pub struct KeyCount {
     pub keys: usize,
     /// Of those the ones where the curve goes on as it came, ends included.
     pub smooth: usize,
+}
+
+impl RotationForm {
+    fn rotation(self, value: [f32; 4]) -> Quat {
+        let turned = match self {
+            Self::Quaternion => Quat::from_array(value),
+            Self::Angles { axes } => {
+                let axes = axes.as_dquat();
+                (axes * angles::rotation(value.map(f64::from)) * axes.inverse()).as_quat()
+            }
+        };
+        // A spline may pass through zero.
+        if turned.length_squared() > 1e-24 { turned.normalize() } else { Quat::IDENTITY }
+    }
 }
 
 impl KeyCount {
@@ -122,9 +152,9 @@ impl KeyedClip {
         for track in &self.rotations {
             for (sample, value) in self.values(track, per_frame, samples).into_iter().enumerate() {
                 let slot = rotations.get_mut(sample * joints + track.joint);
-                let turned = Quat::from_array(value);
-                if let (Some(slot), true) = (slot, track.joint < joints && turned.length_squared() > 1e-24) {
-                    *slot = turned.normalize();
+                let turned = self.form.rotation(value);
+                if let (Some(slot), true) = (slot, track.joint < joints) {
+                    *slot = turned;
                 }
             }
         }

@@ -1,10 +1,10 @@
 //! A motion as few keys with tangents.
 
-use super::block::thin;
+use super::block::{numbers, thin};
 use super::body::Allowed;
 use super::fit::Knot;
 use super::reference::{Reference, references};
-use super::{Interpolation, Key, KeyedClip, Track};
+use super::{Interpolation, Key, KeyedClip, RotationForm, Track};
 use crate::Clip;
 
 /// How near few keys keep to a motion.
@@ -16,12 +16,19 @@ pub struct SparseOptions {
     pub radians: f64,
     /// Frames at which every channel that changes gets a key with exactly the clip's pose; others are not looked at.
     pub given: Vec<usize>,
+    /// The numbers that get curves.
+    pub form: RotationForm,
 }
 
 impl Default for SparseOptions {
-    /// A millimetre and half a degree.
+    /// A millimetre and half a degree, quaternions.
     fn default() -> Self {
-        Self { metres: 1e-3, radians: 0.5_f64.to_radians(), given: Vec::new() }
+        Self {
+            metres: 1e-3,
+            radians: 0.5_f64.to_radians(),
+            given: Vec::new(),
+            form: RotationForm::Quaternion,
+        }
     }
 }
 
@@ -55,7 +62,7 @@ pub fn sparse(clip: &Clip, options: &SparseOptions) -> KeyedClip {
     let mut knots: Vec<Vec<Knot>> = vec![Vec::new(); references.len()];
     for cut in cuts.windows(2) {
         let &[first, last] = cut else { continue };
-        let part = thin(clip.skeleton(), &references, (first, last), &given, allowed);
+        let part = thin(clip.skeleton(), &references, (first, last), (&given, options.form), allowed, &knots);
         for (all, part) in knots.iter_mut().zip(part) {
             // The first of a part is the last of the one before.
             if let (Some(last), Some(first)) = (all.last_mut(), part.first()) {
@@ -71,12 +78,19 @@ pub fn sparse(clip: &Clip, options: &SparseOptions) -> KeyedClip {
         frame_rate: rate,
         frames: clip.frames(),
         interpolation: Interpolation::Spline,
-        rotations: pairs().filter(|(r, _)| r.turns).map(|(r, knots)| track(r, knots, rate)).collect(),
-        translations: pairs().filter(|(r, _)| !r.turns).map(|(r, knots)| track(r, knots, rate)).collect(),
+        form: options.form,
+        rotations: pairs()
+            .filter(|(r, _)| r.turns)
+            .map(|(r, knots)| track(r, knots, rate, options.form))
+            .collect(),
+        translations: pairs()
+            .filter(|(r, _)| !r.turns)
+            .map(|(r, knots)| track(r, knots, rate, options.form))
+            .collect(),
     }
 }
 
-fn track<const N: usize>(reference: &Reference, knots: &[Knot], rate: f64) -> Track<N> {
+fn track<const N: usize>(reference: &Reference, knots: &[Knot], rate: f64, form: RotationForm) -> Track<N> {
     let short = |numbers: &[f64; 4], factor: f64| std::array::from_fn(|i| (numbers[i] * factor) as f32);
     let key = |knot: &Knot| Key {
         frame: knot.frame,
@@ -87,6 +101,7 @@ fn track<const N: usize>(reference: &Reference, knots: &[Knot], rate: f64) -> Tr
     let mut keys: Vec<Key<N>> = knots.iter().map(key).collect();
     if keys.is_empty() {
         let still = reference.samples.first().copied().unwrap_or_default();
+        let still = if reference.turns { numbers(form, &still, [0.0; 4]) } else { still };
         keys.push(Key { frame: 0, value: short(&still, 1.0), slope_in: [0.0; N], slope_out: [0.0; N] });
     }
     Track { joint: reference.joint, keys }
@@ -153,7 +168,8 @@ mod tests {
     fn given_frames_are_keys_and_exact() {
         let clip = swinging(200);
         let given = vec![120, 37, 5000];
-        let keyed = sparse(&clip, &SparseOptions { given, metres: 0.05, radians: 0.2 });
+        let keyed =
+            sparse(&clip, &SparseOptions { given, metres: 0.05, radians: 0.2, ..SparseOptions::default() });
         let written = keyed.clip().unwrap();
         for frame in [0, 37, 120, 199] {
             for track in keyed.rotations.iter().filter(|track| track.keys.len() > 1) {
@@ -164,6 +180,23 @@ mod tests {
             }
             assert_eq!(clip.track(0).unwrap()[frame], written.track(0).unwrap()[frame]);
         }
+    }
+
+    /// Angles about the axes of a file with z up, past the upright and through whole turns.
+    #[test]
+    fn angles_do_as_well_as_quaternions() {
+        let clip = arm(2 * PART, |frame| (frame as f32 * 0.05, 2.0 * (frame as f32 * 0.03).sin()));
+        let axes = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
+        let form = RotationForm::Angles { axes };
+        let keyed = sparse(&clip, &SparseOptions { form, ..SparseOptions::default() });
+        holds(&clip, &keyed);
+        let steps = |keys: &[Key<4>]| {
+            keys.windows(2).map(|pair| (pair[1].value[1] - pair[0].value[1]).abs()).fold(0.0, f32::max)
+        };
+        assert!(steps(&keyed.rotations[0].keys) < 3.0, "{}", steps(&keyed.rotations[0].keys));
+        let turned = keyed.rotations[0].keys.last().unwrap().value;
+        assert!((turned[1].abs() - 0.05 * 2047.0).abs() < 0.1, "{turned:?}");
+        assert!(5 * keyed.count().keys < keyed.count().dense, "{:?}", keyed.count());
     }
 
     /// Still, a jump within one frame, still: between frames the elbow stays near the straight way.

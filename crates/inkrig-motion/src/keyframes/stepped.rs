@@ -1,11 +1,11 @@
 //! A motion whose poses are held.
 
-use super::{Interpolation, Key, KeyedClip, Track};
+use super::{Interpolation, Key, KeyedClip, RotationForm, Track};
 use crate::Clip;
 
 /// Holds every pose for `step` frames (1 or more, fractions allowed: holds are then of both neighbouring lengths). At the
 /// frames `given` a hold begins with exactly that pose, in place of one that would begin less than half a step away.
-/// A last key keeps the length: it repeats what is held.
+/// A last key keeps the length: it repeats what is held. Rotations are quaternions.
 pub fn stepped(clip: &Clip, step: f64, given: &[usize]) -> KeyedClip {
     let starts = starts(clip.frames(), step, given);
     let rate = clip.frame_rate();
@@ -37,6 +37,7 @@ pub fn stepped(clip: &Clip, step: f64, given: &[usize]) -> KeyedClip {
         frame_rate: rate,
         frames: clip.frames(),
         interpolation: Interpolation::Step,
+        form: RotationForm::Quaternion,
         rotations: rotations.collect(),
         translations: translations.collect(),
     }

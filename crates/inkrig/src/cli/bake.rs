@@ -30,7 +30,7 @@ pub struct BakeArgs {
 pub enum BakeMode {
     /// One a frame
     Dense,
-    /// Few, with curves between them (.glb)
+    /// Few, with curves between them (.glb, .fbx)
     Sparse,
     /// Poses that are held
     Stepped,

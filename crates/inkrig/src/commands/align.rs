@@ -63,6 +63,7 @@ pub(super) fn run(args: &AlignArgs, run: &Run<'_>, console: &Console) -> Result<
         suggestions = Some(found);
     }
     let mut solutions = solve(args, &source, &control, &options, console)?;
+    let format = results::format_of(&args.out)?;
     let mut grounds = Vec::with_capacity(solutions.len());
     for Alternative { alignment, .. } in &mut solutions {
         let mut written_as = first.clone();
@@ -79,7 +80,7 @@ pub(super) fn run(args: &AlignArgs, run: &Run<'_>, console: &Console) -> Result<
             };
         }
         let exact = exact_frames(alignment, solved_rate);
-        let baked = bake::bake(alignment.clip.clone(), &args.bake, &exact)?;
+        let baked = bake::bake(alignment.clip.clone(), &args.bake, &exact, (format, &written_as))?;
         alignment.clip = baked.clip;
         alignment.report.notes.extend(baked.record.as_ref().map(BakeRecord::note));
         grounds.push((written_as, ground, baked.keys, baked.record));

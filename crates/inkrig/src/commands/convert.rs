@@ -193,7 +193,7 @@ impl Job<'_> {
         let (clip, root) = self.over_ground.apply(clip, &mut source, looped.is_some()).map_err(about)?;
         let name = clip_name.clone().or_else(|| Some(input.file_stem()?.to_string_lossy().into_owned()));
         // In a copy of the file that it came from, the clip takes its own place.
-        let baked = bake::bake(clip, &args.bake, &[])?;
+        let baked = bake::bake(clip, &args.bake, &[], (format, &source))?;
         let clip = baked.clip;
         let like = ExportOptions::in_format(format, &source);
         let options = ExportOptions { name, replace: true, keys: baked.keys, ..like };

@@ -108,7 +108,8 @@ impl Redo<'_> {
 
     fn is_same_program(&self) -> bool {
         let sidecar = self.sidecar;
-        sidecar.build == provenance::build()
+        !sidecar.build.is_empty()
+            && sidecar.build == provenance::build()
             && sidecar.system == provenance::system()
             && sidecar.instruction_set == Isa::current().name()
     }

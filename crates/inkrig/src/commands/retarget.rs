@@ -11,7 +11,7 @@ use crate::provenance::{Facts, Run};
 use crate::sheet::{SheetOptions, contact_sheet};
 use crate::span::seconds;
 use crate::{clip_path, load, names, results};
-use inkrig_formats::{ExportOptions, Import, write_motion};
+use inkrig_formats::{ExportOptions, Format, Import, write_motion};
 use inkrig_motion::retarget::{
     Certificate, CertificateLimits, RetargetError, RetargetOptions, retarget, standing_pose,
 };
@@ -33,7 +33,7 @@ pub(super) fn run(args: &RetargetArgs, run: &Run<'_>, console: &Console) -> Resu
         clip = time::resample(&clip, rate)?;
     }
     let stage = console.stage("carrying the motion over");
-    let (baked, certificate) = carry_over(args, &clip, &character)?;
+    let (baked, certificate) = carry_over(args, &clip, &character, format)?;
     let broken = certificate.broken(&CertificateLimits::default());
     let certificate = CertificateRecord::of(&certificate, &broken);
     let refused = args.strict && !broken.is_empty();
@@ -62,7 +62,12 @@ pub(super) fn run(args: &RetargetArgs, run: &Run<'_>, console: &Console) -> Resu
     drop(stage);
     for (path, bytes) in &files {
         if *path == args.out {
-            run.write_motion(path, bytes, &args.sidecar, &Facts::of_files(&[args.motion.clone()]))?;
+            run.write_motion(
+                path,
+                bytes,
+                &args.sidecar,
+                &Facts::of_files(std::slice::from_ref(&args.motion)),
+            )?;
         } else {
             run.write(path, bytes)?;
         }
@@ -85,6 +90,7 @@ fn carry_over(
     args: &RetargetArgs,
     clip: &Clip,
     character: &Import,
+    format: Format,
 ) -> Result<(Baked, Certificate), CliError> {
     let options = RetargetOptions {
         scale: args.scale.map(|scale| scale as f32),
@@ -99,7 +105,7 @@ fn carry_over(
         CliError::Retarget { path: path.clone(), cause: Box::new(cause) }
     };
     let mut moved = retarget(clip, character.clip.skeleton(), &options).map_err(about)?;
-    let baked = bake::bake(moved.clip.clone(), &args.bake, &[])?;
+    let baked = bake::bake(moved.clip.clone(), &args.bake, &[], (format, &character.source))?;
     // Poses that are held are meant to stay behind, and are not measured.
     if args.bake.bake != BakeMode::Stepped {
         moved.clip = baked.clip.clone();

@@ -5,9 +5,11 @@ use super::{
     curve::{self, Key, Shape},
     document::{Document, Value, object_name},
     ids::Ids,
+    keys::{Dense, thinned},
 };
 use crate::{Axis, Channel, FormatError, euler::EulerSolver, fbx::TICKS};
 use Value::{Double, Long, Text};
+use inkrig_motion::glam::Vec3;
 
 /// The curves of a clip.
 pub(super) struct Animation {
@@ -31,9 +33,9 @@ enum Property {
 }
 
 impl Animation {
-    /// One linear key a frame; of what does not change, one at each end.
+    /// One linear key a frame, or the few that were asked for; of what does not change, one at each end.
     pub(super) fn of(scene: &Scene<'_>) -> Result<Self, FormatError> {
-        let clip = scene.clip;
+        let (clip, keyed) = (scene.clip, scene.options.keys.as_ref());
         let ticks: Vec<i64> = (0..clip.frames())
             .map(|frame| (frame as f64 / clip.frame_rate() * TICKS).round() as i64)
             .collect();
@@ -43,15 +45,25 @@ impl Animation {
                 let places: Vec<[f64; 3]> = (track.iter())
                     .map(|place| Ok(scene.place(*place, index)?.to_array()))
                     .collect::<Result<_, FormatError>>()?;
+                let numbers = |value| Ok(scene.place(Vec3::from_array(value), index)?.to_array());
+                let keys =
+                    thinned(linear(&ticks, &places), keyed, |keyed| &keyed.translations, index, numbers)?;
                 moves.push(Move {
                     joint: index,
                     property: Property::Translation,
-                    keys: keys(&ticks, &places),
+                    keys: keys.map(ends_of_what_stays),
                 });
             }
             if !joint.end_site {
-                let angles = angles(scene, index);
-                moves.push(Move { joint: index, property: Property::Rotation, keys: keys(&ticks, &angles) });
+                let dense = linear(&ticks, &angles(scene, index));
+                let degrees =
+                    |[x, y, z, _]: [f32; 4]| Ok([x, y, z].map(|angle| f64::from(angle).to_degrees()));
+                let keys = thinned(dense, keyed, |keyed| &keyed.rotations, index, degrees)?;
+                moves.push(Move {
+                    joint: index,
+                    property: Property::Rotation,
+                    keys: keys.map(ends_of_what_stays),
+                });
             }
         }
         Ok(Self { name: scene.name.clone(), last_tick: ticks.last().copied().unwrap_or(0), moves })
@@ -147,19 +159,24 @@ fn angles(scene: &Scene<'_>, joint: usize) -> Vec<[f64; 3]> {
     angles.collect()
 }
 
-fn keys(ticks: &[i64], values: &[[f64; 3]]) -> [Vec<Key>; 3] {
+fn linear(ticks: &[i64], values: &[[f64; 3]]) -> Dense {
     let [mut x, mut y, mut z] = [Vec::new(), Vec::new(), Vec::new()];
     for (&tick, &values) in ticks.iter().zip(values) {
         for (keys, value) in [&mut x, &mut y, &mut z].into_iter().zip(values) {
             keys.push(Key { tick, value, shape: Shape::Linear });
         }
     }
-    [x, y, z].map(ends_of_what_stays)
+    [x, y, z]
 }
 
 fn ends_of_what_stays(mut keys: Vec<Key>) -> Vec<Key> {
     let (Some(first), Some(last)) = (keys.first().copied(), keys.last().copied()) else { return keys };
-    if keys.len() > 2 && keys.iter().all(|key| key.value as f32 == first.value as f32) {
+    let stays = |key: &Key| {
+        let level =
+            !matches!(key.shape, Shape::Cubic { slope, next_slope } if slope != 0.0 || next_slope != 0.0);
+        level && key.value as f32 == first.value as f32
+    };
+    if keys.len() > 2 && keys.iter().all(stays) {
         keys = vec![first, last];
     }
     keys

@@ -16,7 +16,6 @@ pub(super) struct Key {
 
 /// How the curve goes on from a key to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[expect(dead_code, reason = "clips are written with linear keys, one a frame")]
 pub(super) enum Shape {
     /// Straight.
     Linear,

@@ -6,6 +6,7 @@ mod curve;
 mod document;
 mod header;
 mod ids;
+mod keys;
 mod skeleton;
 
 use crate::{ExportOptions, Finding, FormatError, Written, import, lexer::LARGEST_NUMBER};
@@ -16,6 +17,7 @@ use ids::Ids;
 use inkrig_motion::{
     Clip,
     glam::{DVec3, Vec3},
+    keyframes::RotationForm,
 };
 
 /// What a clip without a name is called.
@@ -24,8 +26,8 @@ const CLIP_NAME: &str = "motion";
 /// Longer clips are beyond what the reader takes for a time, seconds.
 const LONGEST: f64 = 1e8;
 
-/// Writes a clip as a binary FBX 7.4 file: limbs at their rest places, a body of capsules, one
-/// animation stack with one linear key a frame.
+/// Writes a clip as a binary FBX 7.4 file: limbs at their rest places, a body of capsules, one animation stack with one
+/// linear key a frame or the few of [`ExportOptions::keys`].
 ///
 /// Unit and axes are those of [`ExportOptions`], and the file says them. Rotations are Euler angles in the format's own
 /// order, which run on from frame to frame without jumps of a turn. End sites are limbs that say so: `read_fbx` gives them
@@ -36,7 +38,7 @@ const LONGEST: f64 = 1e8;
 /// larger than the format holds.
 pub fn write_fbx(clip: &Clip, options: &ExportOptions) -> Result<Written, FormatError> {
     import::check_metres_per_unit(options.metres_per_unit)?;
-    options.check_no_curves("FBX")?;
+    options.check_curves("FBX", RotationForm::Angles { axes: options.up.clip_from_file_turn() })?;
     if clip.duration() > LONGEST {
         return Err(FormatError::Write {
             what: format!("the motion is {} s long, and an FBX holds up to 1e8 s", clip.duration()),

@@ -13,7 +13,11 @@ pub use vrma::write_vrma;
 use super::container;
 use crate::{ExportOptions, FormatError, Written};
 use animation::{NodeMotion, animation, check_places};
-use inkrig_motion::{Clip, glam::Vec3, keyframes::KeyedClip};
+use inkrig_motion::{
+    Clip,
+    glam::Vec3,
+    keyframes::{KeyedClip, RotationForm},
+};
 use parts::Parts;
 use serde_json::{Map, Value, json};
 
@@ -29,6 +33,7 @@ const CLIP_NAME: &str = "motion";
 /// [`FormatError::Write`] when the clip has another skeleton than the original, a joint stands beyond 1e12 m, or the file
 /// would be larger than a GLB may be; what the reader says of the original.
 pub fn write_glb(clip: &Clip, options: &ExportOptions) -> Result<Written, FormatError> {
+    options.check_curves("glTF", RotationForm::Quaternion)?;
     match &options.original {
         Some(original) => insert::insert(original.bytes(), clip, options, true),
         None => {
@@ -41,6 +46,7 @@ pub fn write_glb(clip: &Clip, options: &ExportOptions) -> Result<Written, Format
 
 /// Puts a clip into a text file ([`ExportOptions::original`]), the new numbers inside of the text.
 pub(crate) fn write_into_gltf(clip: &Clip, options: &ExportOptions) -> Result<Written, FormatError> {
+    options.check_curves("glTF", RotationForm::Quaternion)?;
     match &options.original {
         Some(original) => insert::insert(original.bytes(), clip, options, false),
         None => Err(FormatError::Write {
