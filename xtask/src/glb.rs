@@ -27,6 +27,16 @@ pub(crate) fn check(context: &Context) -> Result<Verdict> {
         align(&program, &own, &samples, &again)?;
         files.extend([own, again]);
     }
+    // Few keys in a file of its own and in one that was there, and poses that are held.
+    for (from, name, bake) in [
+        ("person.bvh", "few", "sparse"),
+        ("../glb/person.glb", "few-again", "sparse"),
+        ("person.bvh", "held", "stepped"),
+    ] {
+        let out = folder.join(format!("{name}.glb"));
+        convert(&program, &samples.join(from), bake, &out)?;
+        files.push(out);
+    }
     let mut command = Command::new(&tools.node);
     command.arg(context.root.join("xtask/browser/validate.mjs")).arg(&tools.modules).args(files);
     process::run(&mut command)?;
@@ -37,4 +47,9 @@ fn align(program: &Path, clip: &Path, samples: &Path, out: &Path) -> Result<()> 
     let mut command = Command::new(program);
     command.arg("align").arg(clip).arg("--curve").arg(samples.join("heart.json"));
     process::run(command.args(["--length", "4s", "--quiet", "-o"]).arg(out))
+}
+
+fn convert(program: &Path, clip: &Path, bake: &str, out: &Path) -> Result<()> {
+    let mut command = Command::new(program);
+    process::run(command.arg("convert").args([clip, out]).args(["--bake", bake, "--quiet"]))
 }
