@@ -4,8 +4,8 @@
 #![allow(clippy::print_stdout, reason = "an example prints its figures")]
 
 use inkrig::formats::{ImportOptions, read_bvh};
-use inkrig::motion::Clip;
 use inkrig::motion::keyframes::{SparseOptions, deviation, sparse, stepped};
+use inkrig::motion::{Clip, lead_in, time};
 use std::error::Error;
 use tiny_skia::{Color, FillRule, LineCap, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
@@ -21,6 +21,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("give a motion, a joint and the file to write".into());
     };
     let clip = read_bvh(&std::fs::read(motion)?, &ImportOptions::default())?.clip;
+    // A rest pose before the motion would only be a step in the picture.
+    let clip = time::trim(&clip, lead_in::rest_pose_frames(&clip)..clip.frames())?;
     let joint = clip.skeleton().find(joint).ok_or("the motion has no such joint")?;
     let few = sparse(&clip, &SparseOptions::default());
     let held = stepped(&clip, clip.frame_rate() / 12.0, &[]);

@@ -164,7 +164,7 @@ fn errors_say_where_and_what_to_do() {
         (&["inspect", "broken.bvh"], 1, &["line 4", "hip"]),
         (&["align", "person.bvh", "--curve", "dot.csv", "-o", "a.bvh"], 1, &["dot.csv"]),
         (&["align", "person.bvh", "--curve", "empty.svg", "-o", "a.bvh"], 1, &["empty.svg"]),
-        (&["align", "person.bvh", "--curve", "circles.csv", "-o", "a.fbx"], 1, &["a.fbx", ".bvh"]),
+        (&["align", "person.bvh", "--curve", "circles.csv", "-o", "a.obj"], 1, &["a.obj", ".bvh"]),
         (&["align", "person.bvh", "--curve", "circles.csv", "-o", "a.bvh", "--range", "5"], 2, &["2s..10s"]),
         (
             &["align", "person.bvh", "--curve", "circles.csv", "-o", "a.bvh", "--alpha", "7"],
