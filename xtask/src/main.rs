@@ -10,6 +10,7 @@ mod counts;
 mod demo;
 mod fuzz;
 mod glb;
+mod gpu;
 mod interop;
 mod process;
 mod readme;
@@ -91,6 +92,8 @@ enum Command {
         #[arg(long)]
         importer: Option<String>,
     },
+    /// Check that training still builds for graphics processors, or say what is missing
+    GpuCheck,
     /// Run the benchmarks
     Bench {
         /// Filter and options for criterion
@@ -119,6 +122,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Samples => samples::make(&context)?,
         Command::Fuzz { seconds, filter } => fuzz::run(&context, seconds, filter.as_deref())?,
         Command::Interop { importer } => interop::run(&context, importer.as_deref())?,
+        Command::GpuCheck => gpu::run(&context)?,
         Command::Bench { arguments } => bench::run(&context, &arguments)?,
     }
     Ok(ExitCode::SUCCESS)
