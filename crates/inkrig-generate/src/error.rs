@@ -70,6 +70,14 @@ pub enum GenerateError {
     /// A motion that has no features, or features that are none.
     #[error(transparent)]
     Motion(#[from] inkrig_motion::MotionError),
+    /// A description in which no action is known.
+    #[error("no action that the model knows is in {text:?}; near ones are: {near}")]
+    Words {
+        /// The description.
+        text: String,
+        /// What is spelled most like it.
+        near: String,
+    },
     /// A setting that makes no sense.
     #[error("{setting} is {value}, but must be {needed}")]
     Setting {

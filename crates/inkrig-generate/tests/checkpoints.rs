@@ -11,8 +11,9 @@ mod torch_files;
 
 use inkrig_generate::checkpoint::{
     About, CheckpointError, Import, ModelFile, ModelKind, ModelStatistics, NumberKind, Safetensors,
-    TensorSource, TextKind, TorchFile, read_statistics,
+    TensorSource, TorchFile, read_statistics,
 };
+use inkrig_generate::configuration::TextEncoderKind;
 use inkrig_generate::networks::{Parts, Sizes, Vae, tensors};
 use inkrig_generate::sampling::Semantics;
 use inkrig_generate::weights::{Tensor, Tensors, hashed};
@@ -59,7 +60,7 @@ fn a_checkpoint_with_all_networks_becomes_a_model_file_number_for_number() {
     let header = model.header().clone();
     assert_eq!(
         (header.semantics, header.text, header.is_distilled()),
-        (Semantics::Official, TextKind::SentenceT5, true)
+        (Semantics::Official, TextEncoderKind::SentenceT5, true)
     );
     assert_eq!((header.name.as_str(), header.licence.as_str()), ("kicks", "CC0"));
     assert_eq!(header.statistics().unwrap().0.mean(), statistics().mean);
@@ -90,7 +91,7 @@ fn half_precision_is_read_and_written() {
 #[test]
 fn mld_and_motionlcm_are_told_apart_and_renamed() {
     for (guidance_width, kind, text) in
-        [(0, ModelKind::Mld, TextKind::Clip), (16, ModelKind::MotionLcm, TextKind::SentenceT5)]
+        [(0, ModelKind::Mld, TextEncoderKind::Clip), (16, ModelKind::MotionLcm, TextEncoderKind::SentenceT5)]
     {
         let sizes = Sizes { heads: 4, guidance_width, ..Sizes::tiny() };
         let parts = Parts { control: false, control_2d: false, ..Parts::ALL };

@@ -12,9 +12,10 @@
 mod torch_files;
 
 use inkrig_generate::checkpoint::{
-    About, Import, Listed, ModelFile, ModelHeader, NumberKind, Safetensors, TensorSource, TextKind,
-    TorchFile, read_npy, write_model,
+    About, Import, Listed, ModelFile, ModelHeader, NumberKind, Safetensors, TensorSource, TorchFile,
+    read_npy, write_model,
 };
+use inkrig_generate::configuration::TextEncoderKind;
 use inkrig_generate::networks::Sizes;
 use inkrig_generate::sampling::Semantics;
 use inkrig_generate::weights::Tensor;
@@ -188,7 +189,7 @@ fn archives_changed_at_random() {
 
 #[test]
 fn safetensors_changed_at_random() {
-    let header = ModelHeader::new("a", Sizes::tiny(), Semantics::Paper, TextKind::Verbs);
+    let header = ModelHeader::new("a", Sizes::tiny(), Semantics::Paper, TextEncoderKind::Verbs);
     let listed: Vec<Listed> = [("a", NumberKind::F32), ("b", NumberKind::F16)]
         .map(|(name, kind)| Listed { name: name.into(), shape: vec![2, 3], kind })
         .into();

@@ -1,6 +1,7 @@
 //! What a model file says of itself.
 
 use super::CheckpointError;
+use crate::configuration::TextEncoderKind;
 use crate::networks::Sizes;
 use crate::sampling::Semantics;
 use inkrig_motion::humanml::{JOINTS, Joints, NAMES, Statistics, WIDTH};
@@ -21,7 +22,7 @@ pub struct ModelHeader {
     /// How its conditions are meant.
     pub semantics: Semantics,
     /// Where its text vectors come from.
-    pub text: TextKind,
+    pub text: TextEncoderKind,
     /// The joints of a pose, in order.
     pub joints: Vec<String>,
     /// What features and poses are normalised by; published files lack it.
@@ -34,18 +35,6 @@ pub struct ModelHeader {
     pub licence: String,
     /// SHA-256 of all bytes after the header, in hexadecimal digits.
     pub sha256: String,
-}
-
-/// Where text vectors come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum TextKind {
-    /// A table of action verbs in the model itself.
-    Verbs,
-    /// Sentence-T5 large, 768 numbers.
-    SentenceT5,
-    /// The text half of CLIP ViT-L/14, 768 numbers.
-    Clip,
 }
 
 /// Means and deviations of the training data.
@@ -63,7 +52,7 @@ pub struct ModelStatistics {
 
 impl ModelHeader {
     /// For weights that are not written yet: without statistics, skeleton and checksum.
-    pub fn new(name: impl Into<String>, sizes: Sizes, semantics: Semantics, text: TextKind) -> Self {
+    pub fn new(name: impl Into<String>, sizes: Sizes, semantics: Semantics, text: TextEncoderKind) -> Self {
         Self {
             version: VERSION,
             name: name.into(),

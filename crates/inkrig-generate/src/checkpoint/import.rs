@@ -1,12 +1,13 @@
 //! From a file of tensors to a model file.
 
 use super::error::shown;
-use super::header::{ModelHeader, ModelStatistics, TextKind};
+use super::header::{ModelHeader, ModelStatistics};
 use super::mapping::{Detected, ModelKind, detect, is_evaluator, network, own_name};
 use super::model::write_model;
 use super::npy::read_npy;
 use super::source::{Listed, TensorSource};
 use super::{CheckpointError, NumberKind};
+use crate::configuration::TextEncoderKind;
 use crate::networks::{Parts, Sizes, tensors};
 use crate::sampling::Semantics;
 use inkrig_motion::humanml::{JOINTS, Joints, bone_lengths};
@@ -48,7 +49,7 @@ pub struct About {
     /// What may be done with it.
     pub licence: String,
     /// Where text vectors come from; else what the published model uses.
-    pub text: Option<TextKind>,
+    pub text: Option<TextEncoderKind>,
     /// What features and poses are normalised by.
     pub statistics: Option<ModelStatistics>,
     /// The body that motions were brought to.
@@ -179,8 +180,8 @@ impl Import {
             return Err(CheckpointError::Unknown { what });
         }
         let (semantics, text) = match self.kind() {
-            ModelKind::Mld => (Semantics::Official, TextKind::Clip),
-            _ => (Semantics::Official, TextKind::SentenceT5),
+            ModelKind::Mld => (Semantics::Official, TextEncoderKind::Clip),
+            _ => (Semantics::Official, TextEncoderKind::SentenceT5),
         };
         let header = ModelHeader {
             statistics: about.statistics.clone(),

@@ -22,7 +22,7 @@ mod torch;
 mod zip;
 
 pub use error::CheckpointError;
-pub use header::{ModelHeader, ModelStatistics, TextKind};
+pub use header::{ModelHeader, ModelStatistics};
 pub use import::{About, Import, NetworkRow, read_statistics};
 pub use mapping::ModelKind;
 pub use model::{ModelFile, write_model};

@@ -7,8 +7,9 @@ use crate::output::Output;
 use crate::printable::{self, counted};
 use inkrig_generate::checkpoint::{
     About, CheckpointError, Import, MOST_NPY_BYTES, ModelFile, ModelHeader, NetworkRow, Safetensors,
-    TensorSource, TextKind, TorchFile, read_statistics,
+    TensorSource, TorchFile, read_statistics,
 };
+use inkrig_generate::configuration::TextEncoderKind;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -45,9 +46,9 @@ fn import(args: &ModelImportArgs, console: &Console) -> Result<(), CliError> {
         data: args.data.clone(),
         licence: args.licence.clone(),
         text: args.text.map(|text| match text {
-            TextArg::Verbs => TextKind::Verbs,
-            TextArg::SentenceT5 => TextKind::SentenceT5,
-            TextArg::Clip => TextKind::Clip,
+            TextArg::Verbs => TextEncoderKind::Verbs,
+            TextArg::SentenceT5 => TextEncoderKind::SentenceT5,
+            TextArg::Clip => TextEncoderKind::Clip,
         }),
         statistics,
         skeleton,
@@ -214,9 +215,9 @@ impl Facts {
                 printable::text(&header.data),
                 printable::text(&header.licence),
                 match header.text {
-                    TextKind::Verbs => "a table of action verbs in the model",
-                    TextKind::SentenceT5 => "Sentence-T5 large, a file of its own",
-                    TextKind::Clip => "CLIP ViT-L/14, a file of its own",
+                    TextEncoderKind::Verbs => "a table of action verbs in the model",
+                    TextEncoderKind::SentenceT5 => "Sentence-T5 large, a file of its own",
+                    TextEncoderKind::Clip => "CLIP ViT-L/14, a file of its own",
                 }
             );
         }
