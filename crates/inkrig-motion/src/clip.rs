@@ -118,11 +118,24 @@ impl Clip {
     }
 
     /// The joint that carries the character through the world: the first whose translation varies by more than a
-    /// ten-thousandth of the character's size; the first root when none does.
+    /// ten-thousandth of the character's size and that carries at least half of the joints of its tree, as a shoulder that
+    /// is pulled out does not; the first root when none does.
     pub fn travel_joint(&self) -> usize {
         let threshold = 1e-4 * self.skeleton.extent();
+        let joints = self.skeleton.joints();
+        let mut carried = vec![1_usize; joints.len()];
+        for (index, joint) in joints.iter().enumerate().rev() {
+            if let Some(parent) = joint.parent {
+                carried[parent] += carried[index];
+            }
+        }
+        let mut root: Vec<usize> = Vec::with_capacity(joints.len());
+        for (index, joint) in joints.iter().enumerate() {
+            root.push(joint.parent.map_or(index, |parent| root[parent]));
+        }
+        let carries = |joint: usize| 2 * carried[joint] >= carried[root[joint]];
         let mut moving: Vec<usize> = (self.translations.iter())
-            .filter(|track| variation(&track.values) > threshold)
+            .filter(|track| carries(track.joint) && variation(&track.values) > threshold)
             .map(|track| track.joint)
             .collect();
         moving.sort_unstable();
@@ -194,6 +207,20 @@ mod tests {
         let clip = Clip::new(two_joints(), 30.0, vec![Quat::IDENTITY; 6], vec![still, moving]).unwrap();
         assert_eq!(clip.travel_joint(), 1);
         assert_eq!(clip.frames(), 2);
+    }
+
+    #[test]
+    fn a_shoulder_that_is_pulled_out_does_not_travel() {
+        let joints =
+            [("root", None), ("hips", Some(0)), ("arm", Some(1)), ("leg", Some(1)), ("foot", Some(3))];
+        let joints = joints.map(|(name, parent)| Joint::new(name, parent, Vec3::Y));
+        let skeleton = Arc::new(Skeleton::new(joints.to_vec()).unwrap());
+        let moving = |joint| TranslationTrack { joint, values: vec![Vec3::Y, Vec3::new(0.0, 1.0, 3.0)] };
+        let travels = |tracks| {
+            Clip::new(skeleton.clone(), 30.0, vec![Quat::IDENTITY; 10], tracks).unwrap().travel_joint()
+        };
+        assert_eq!(travels(vec![moving(2)]), 0);
+        assert_eq!(travels(vec![moving(1), moving(2)]), 1);
     }
 
     #[test]
