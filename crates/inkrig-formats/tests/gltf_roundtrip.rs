@@ -18,6 +18,7 @@ use inkrig_formats::{
 use inkrig_motion::{
     Clip, Joint, Skeleton,
     glam::{Quat, Vec3},
+    ground::{SkeletonChange, TravelOptions, add_root_bone},
     kinematics,
 };
 use serde_json::{Value, json};
@@ -257,6 +258,60 @@ fn real_characters_get_their_own_clips_back() {
         worst = worst.largest(alone);
     }
     println!("put into their own files and into new ones: {worst:?}");
+}
+
+/// Where joints are, frame after frame, the one left out that the other clip has not.
+fn apart(bone: Option<usize>, with: &Clip, without: &Clip) -> f32 {
+    let (a, b) = (kinematics::positions(with), kinematics::positions(without));
+    let mut worst = 0.0_f32;
+    for frame in 0..without.frames() {
+        let left = a.frame(frame).iter().enumerate().filter(|(joint, _)| Some(*joint) != bone);
+        let pairs = left.map(|(_, place)| place).zip(b.frame(frame));
+        worst = pairs.map(|(a, b)| a.distance(*b)).fold(worst, f32::max);
+    }
+    worst
+}
+
+/// A clip with a root bone more goes into the character's own file: a node above the hips, everything else untouched,
+/// and the clips that were there play as before.
+#[test]
+fn a_root_bone_becomes_a_node_of_the_file() {
+    let leg = ("the leg".to_string(), Doc::walking_leg().glb());
+    let files = common::reference_files("glb").unwrap_or_default();
+    let files = files.iter().filter(|path| !path.ends_with("fox-model.glb"));
+    let real = files.map(|path| (path.display().to_string(), std::fs::read(path).unwrap()));
+    let mut inserted = 0;
+    for (name, file) in std::iter::once(leg).chain(real) {
+        let import = back(&file);
+        let change = add_root_bone(&import.clip, &TravelOptions::default()).unwrap();
+        let SkeletonChange::Inserted(bone) = change.skeleton else { continue };
+        inserted += 1;
+        let options = ExportOptions { name: Some("new".into()), ..ExportOptions::like(&import.source) };
+        let written = write_glb(&change.clip, &options).unwrap();
+        assert!(written.findings.iter().any(|finding| finding.code == "gltf-bone"), "{name}");
+        let ((old, _), (new, _)) = (parts(&file), parts(&written.bytes));
+        for kept in ["meshes", "skins", "materials", "textures", "images"] {
+            assert_eq!(old.get(kept), new.get(kept), "{name}: {kept}");
+        }
+        let (old, new) = (old["nodes"].as_array().unwrap(), new["nodes"].as_array().unwrap());
+        assert_eq!(new.len(), old.len() + 1, "{name}");
+        let bone_name = &change.clip.skeleton().joints()[bone].name;
+        assert_eq!(new[old.len()]["name"], json!(bone_name));
+        // At most the node above has another child.
+        assert!(old.iter().zip(new).filter(|(a, b)| a != b).count() <= 1, "{name}");
+        let read = |number: usize| {
+            let options = ImportOptions { clip: Some(ClipChoice::Number(number)), ..Default::default() };
+            read_gltf(&written.bytes, &options, &no_files).unwrap().clip
+        };
+        let size = import.clip.skeleton().extent().max(1e-3);
+        let far = apart(Some(bone), &change.clip, &read(import.clips.len() + 1)) / size;
+        assert!(far < 1e-5, "{name}: {far} of its size");
+        if !import.clips.is_empty() {
+            assert_eq!(read(1), import.clip, "{name}");
+        }
+    }
+    println!("{inserted} files got a root bone");
+    assert!(inserted > 0);
 }
 
 #[test]

@@ -103,6 +103,14 @@ pub enum CliError {
         /// Where and what.
         cause: Box<SketchError>,
     },
+    /// An option that nothing would come of.
+    #[error("{flag} does nothing with {with}: leave it out")]
+    NoEffect {
+        /// The flag.
+        flag: &'static str,
+        /// What else was asked for.
+        with: &'static str,
+    },
     /// A keyframe on the command line that cannot be understood.
     #[error("the keyframe `{}` cannot be used", printable::text(text))]
     #[diagnostic(help("{known}"))]

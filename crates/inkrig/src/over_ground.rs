@@ -8,7 +8,7 @@ use inkrig_formats::SourceInfo;
 use inkrig_motion::glam::DVec2;
 use inkrig_motion::ground::{
     Contacts, Followed, GroundPath, PathOptions, Route, SkeletonChange, Slide, Trajectory, TravelOptions,
-    add_root_bone, fold_root_bone, follow_path, in_place,
+    add_root_bone, empty_root_bone, fold_root_bone, follow_path, in_place,
 };
 use inkrig_motion::{Clip, MotionError};
 use serde::Serialize;
@@ -72,6 +72,9 @@ impl OverGround {
             (Some(_), Some(file)) => Some(drawing(file)?),
             (Some(shape), None) => Some(named(shape)?),
         };
+        if args.path_scale.is_some() && file.is_none() {
+            return Err(CliError::NoEffect { flag: "--path-scale", with: "a --path that is no drawing" });
+        }
         Ok(Self { mode: args.root, route, file, metres_per_unit: args.path_scale, sway: args.sway })
     }
 
@@ -105,6 +108,9 @@ impl OverGround {
             RootMode::Bone | RootMode::Hips => {
                 let done = if self.mode == RootMode::Bone {
                     add_root_bone(&clip, &travel)?
+                } else if source.original.is_some() {
+                    // The skin of the character's own file lists its bones.
+                    empty_root_bone(&clip)?
                 } else {
                     fold_root_bone(&clip)?
                 };
@@ -112,12 +118,7 @@ impl OverGround {
                 done.clip
             }
         };
-        if !matches!(change, SkeletonChange::Kept(_)) {
-            // A file of the old skeleton cannot take the clip any more.
-            source.original = None;
-            source.humanoid.clear();
-        }
-        let skeleton = follow_channels(change, source);
+        let skeleton = follow_change(change, source);
         let joint = match change {
             SkeletonChange::Inserted(joint) | SkeletonChange::Kept(Some(joint))
                 if self.mode == RootMode::Bone =>
@@ -214,20 +215,27 @@ impl From<Slide> for SlideRecord {
     }
 }
 
-/// Makes room for the channels of a joint that came, or takes those of one that went. A new bone is written as the
-/// joint below it.
-fn follow_channels(change: SkeletonChange, source: &mut SourceInfo) -> &'static str {
+/// Makes room for what is known of a joint that came, or takes that of one that went. A new bone is written as the joint
+/// below it.
+fn follow_change(change: SkeletonChange, source: &mut SourceInfo) -> &'static str {
     match change {
         SkeletonChange::Kept(_) => "kept",
         SkeletonChange::Inserted(joint) => {
             if let Some(channels) = source.channels.get(joint).cloned() {
                 source.channels.insert(joint, channels);
             }
+            for bone in &mut source.humanoid {
+                bone.joint += usize::from(bone.joint >= joint);
+            }
             "a joint more"
         }
         SkeletonChange::Removed(joint) => {
             if joint < source.channels.len() {
                 source.channels.remove(joint);
+            }
+            source.humanoid.retain(|bone| bone.joint != joint);
+            for bone in &mut source.humanoid {
+                bone.joint -= usize::from(bone.joint > joint);
             }
             "a joint less"
         }

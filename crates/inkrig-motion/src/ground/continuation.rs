@@ -28,7 +28,10 @@ impl Continuation {
 }
 
 /// A loop with one frame more: its first pose as it comes after the last. At least two frames.
-pub(crate) fn continued(clip: &Clip) -> Result<Clip, MotionError> {
+///
+/// # Errors
+/// When the result is not a motion (a place beyond what f32 holds).
+pub fn continued(clip: &Clip) -> Result<Clip, MotionError> {
     let raw = TravelOptions { smoothing_seconds: 0.0, cyclic: false };
     let Trajectory { joint, places, headings, .. } = Trajectory::of(clip, &raw);
     let Continuation { turn, next } = Continuation::of(&places, &headings);

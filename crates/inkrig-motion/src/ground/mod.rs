@@ -16,11 +16,14 @@ mod spine;
 mod trajectory;
 
 pub use contacts::{Contacts, Slide};
-pub(crate) use continuation::{continued, rounds};
+pub use continuation::continued;
+pub(crate) use continuation::rounds;
 pub use follow::{Followed, PathOptions, Route, follow_path};
 pub use in_place::in_place;
 pub use path::GroundPath;
-pub use root_bone::{BONE_NAME, BoneChange, SkeletonChange, add_root_bone, fold_root_bone, root_bone};
+pub use root_bone::{
+    BONE_NAME, BoneChange, SkeletonChange, add_root_bone, empty_root_bone, fold_root_bone, root_bone,
+};
 pub use trajectory::{Trajectory, TravelOptions};
 
 use glam::DVec2;

@@ -82,6 +82,19 @@ pub fn add_root_bone(clip: &Clip, options: &TravelOptions) -> Result<BoneChange,
 /// # Errors
 /// When the result is not a motion (a place beyond what f32 holds).
 pub fn fold_root_bone(clip: &Clip) -> Result<BoneChange, MotionError> {
+    folded(clip, true)
+}
+
+/// As [`fold_root_bone`], but the bone stays in the skeleton whatever it is called and stands still: for files whose
+/// skeleton must not change.
+///
+/// # Errors
+/// As for [`fold_root_bone`].
+pub fn empty_root_bone(clip: &Clip) -> Result<BoneChange, MotionError> {
+    folded(clip, false)
+}
+
+fn folded(clip: &Clip, removable: bool) -> Result<BoneChange, MotionError> {
     let Some(bone) = root_bone(clip) else {
         return Ok(BoneChange { clip: clip.clone(), skeleton: SkeletonChange::Kept(None) });
     };
@@ -89,7 +102,7 @@ pub fn fold_root_bone(clip: &Clip) -> Result<BoneChange, MotionError> {
     let parent = joints[bone].parent;
     let children: Vec<usize> =
         (0..joints.len()).filter(|&joint| joints[joint].parent == Some(bone)).collect();
-    let removed = children.len() == 1 && is_bone_name(&joints[bone].name);
+    let removed = removable && children.len() == 1 && is_bone_name(&joints[bone].name);
     let rest = Placement {
         rotation: DQuat::IDENTITY,
         position: if removed { DVec3::ZERO } else { joints[bone].offset.as_dvec3() },

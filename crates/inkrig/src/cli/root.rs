@@ -16,7 +16,7 @@ pub struct RootArgs {
     pub path: Option<String>,
     /// Metres in one unit of the path's drawing, which then lies where its coordinates say; else the path is made as
     /// long as the motion travels and begins where it begins
-    #[arg(long, value_name = "METRES", value_parser = numbers::unit, allow_negative_numbers = true, help_heading = "Over the ground")]
+    #[arg(long, value_name = "METRES", requires = "path", value_parser = numbers::unit, allow_negative_numbers = true, help_heading = "Over the ground")]
     pub path_scale: Option<f64>,
     /// Slower movements over the ground than about four times this are travel, quicker ones sway; 0: all is travel
     #[arg(long, value_name = "SECONDS", default_value_t = 0.5, value_parser = numbers::sway, allow_negative_numbers = true, help_heading = "Over the ground")]

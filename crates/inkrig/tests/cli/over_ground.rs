@@ -1,7 +1,7 @@
 //! `--root` and `--path`.
 
 use crate::{align, desk, inkrig, text};
-use inkrig::formats::{ImportOptions, read_bvh};
+use inkrig::formats::{ClipChoice, ImportOptions, no_files, read_bvh, read_gltf};
 use inkrig::motion::{Clip, kinematics};
 use std::path::Path;
 
@@ -41,6 +41,41 @@ fn a_root_bone_is_written_and_folded_back() {
     record(&folder, &["--root", "bone", "--preview", "p.html", "--sheet", "s.png", "--fps", "15"]);
     assert_eq!(written(&folder).frames(), plain.frames() / 2);
     assert!(text(&std::fs::read(folder.join("p.html")).unwrap()).contains("carries"));
+}
+
+/// A character's own file keeps its body, and gets the bone as a node.
+#[test]
+fn a_root_bone_goes_into_the_characters_own_file() {
+    let (_keep, folder) = desk();
+    assert!(inkrig(&folder, &["convert", "person.bvh", "hero.glb"]).status.success());
+    let made = |name: &str, more: &[&str]| {
+        let plain = ["align", "hero.glb", "--curve", "circles.csv", "-o", name, "--levels", "2", "--json"];
+        let output = inkrig(&folder, &[&plain, more].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let bytes = std::fs::read(folder.join(name)).unwrap();
+        let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+        let json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+        let options = ImportOptions { clip: Some(ClipChoice::Number(2)), ..Default::default() };
+        (json, read_gltf(&bytes, &options, &no_files).unwrap().clip)
+    };
+    let (own, plain) = made("plain.glb", &[]);
+    let (json, bone) = made("bone.glb", &["--root", "bone"]);
+    for kept in ["meshes", "skins", "materials"] {
+        assert_eq!((&own[kept], own[kept].is_array()), (&json[kept], true), "{kept}");
+    }
+    assert_eq!(json["animations"].as_array().unwrap().len(), 2);
+    let nodes = json["nodes"].as_array().unwrap();
+    assert_eq!(nodes.len(), own["nodes"].as_array().unwrap().len() + 1);
+    assert_eq!(nodes.last().unwrap()["name"], "root");
+    let (a, b) = (kinematics::positions(&plain), kinematics::positions(&bone));
+    assert_eq!(plain.frames(), bone.frames());
+    for frame in 0..plain.frames() {
+        let far = a.frame(frame).iter().zip(b.frame(frame)).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        assert!(far < 1e-4, "frame {frame}: {far} m");
+    }
+    // Folding keeps the file too.
+    let (hips, _) = made("hips.glb", &["--root", "hips"]);
+    assert_eq!(hips["skins"], own["skins"]);
 }
 
 #[test]

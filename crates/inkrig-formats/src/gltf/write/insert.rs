@@ -3,6 +3,7 @@
 use super::{
     CLIP_NAME,
     animation::{NodeMotion, animation},
+    bone::Bone,
     keys,
     parts::Parts,
     shortest,
@@ -28,7 +29,7 @@ use inkrig_motion::{
     keyframes::KeyedClip,
 };
 use serde_json::json;
-use std::collections::HashSet;
+use std::{borrow::Cow, collections::HashSet};
 
 /// Puts `clip` into the file; the result is a GLB, or a text like the file.
 pub(super) fn insert(
@@ -45,17 +46,26 @@ pub(super) fn insert(
             hint: "write a .glb instead".into(),
         });
     }
-    let document = document::parse(container.json)?;
-    let forest = Forest::of(&document)?;
-    let figure = figure::figure(&document, &forest, &Limits::default(), &mut Vec::new())?;
+    let text = std::str::from_utf8(container.json).unwrap_or_default();
+    let mut text = Cow::Borrowed(text);
+    let mut document = document::parse(container.json)?;
+    let mut forest = Forest::of(&document)?;
+    let mut figure = figure::figure(&document, &forest, &Limits::default(), &mut Vec::new())?;
+    let mut findings = Vec::new();
+    let bone = Bone::of(clip, &figure, &document);
+    if let Some(bone) = &bone {
+        text = bone.put_into(&text, &forest)?.into();
+        document = document::parse(text.as_bytes())?;
+        forest = Forest::of(&document)?;
+        figure = bone.join(figure);
+        findings.push(bone.finding(&figure));
+    }
     let clip_from_file = clip_from_file(options.metres_per_unit, options.up);
     let stage = pose::stage(&figure, &forest, clip_from_file);
-    check_skeleton(&stage, clip)?;
-    let mut findings = Vec::new();
+    check_skeleton(&stage, clip, bone.as_ref())?;
     let locals = Locals::new(&stage, &forest, Placed::origin(clip_from_file), clip);
     let motion = locals.motions(options.keys.as_ref(), &mut findings)?;
-    let text = std::str::from_utf8(container.json).unwrap_or_default();
-    let mut top = Object::parse(text)?;
+    let mut top = Object::parse(&text)?;
     free_matrices(&mut top, &figure, &forest, &mut findings)?;
     let mut parts = parts_after(&document, &container);
     let (name, replaced) = name_and_place(&document, options);
@@ -80,8 +90,9 @@ pub(super) fn insert(
     Ok(Written { bytes, findings })
 }
 
-/// The clip must be of the very skeleton that the file has.
-fn check_skeleton(stage: &Stage<'_>, clip: &Clip) -> Result<(), FormatError> {
+/// The clip must be of the very skeleton that the file has. A bone that was put in, and what hangs on it, have places of
+/// their own in every frame.
+fn check_skeleton(stage: &Stage<'_>, clip: &Clip, bone: Option<&Bone>) -> Result<(), FormatError> {
     let skeleton = stage.skeleton()?;
     let other = |what: String| FormatError::Write {
         what,
@@ -92,8 +103,10 @@ fn check_skeleton(stage: &Stage<'_>, clip: &Clip) -> Result<(), FormatError> {
         return Err(other(format!("the clip has {} joints, and the file {}", ours.len(), theirs.len())));
     }
     let near = 1e-3 * skeleton.extent().max(1e-6);
-    for (a, b) in ours.iter().zip(theirs) {
-        if a.name != b.name || a.parent != b.parent || a.offset.distance(b.offset) > near {
+    for (index, (a, b)) in ours.iter().zip(theirs).enumerate() {
+        let moved = bone.is_some_and(|bone| index == bone.joint || index == bone.joint + 1);
+        let apart = !moved && a.offset.distance(b.offset) > near;
+        if a.name != b.name || a.parent != b.parent || apart {
             let (a, b) = (shown(&a.name), shown(&b.name));
             return Err(other(format!(
                 "joint `{a}` of the clip is not joint `{b}` of the file, or elsewhere"

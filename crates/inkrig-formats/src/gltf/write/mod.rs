@@ -2,6 +2,7 @@
 
 mod animation;
 mod body;
+mod bone;
 mod insert;
 mod keys;
 mod parts;
@@ -27,7 +28,8 @@ const CLIP_NAME: &str = "motion";
 /// Writes a clip as a GLB: metres, y up, one key a frame, or the few of [`ExportOptions::keys`].
 ///
 /// With [`ExportOptions::original`] the clip is put into that file, whose mesh, skin, materials and textures stay as
-/// they are; the clip must be of its skeleton. Without, the file holds the skeleton, the clip, and a body of capsules.
+/// they are; the clip must be of its skeleton, or have one joint more, above another: that becomes a node of the file, which
+/// no skin lists. Without, the file holds the skeleton, the clip, and a body of capsules.
 ///
 /// # Errors
 /// [`FormatError::Write`] when the clip has another skeleton than the original, a joint stands beyond 1e12 m, or the file
