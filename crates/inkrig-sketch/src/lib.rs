@@ -36,7 +36,7 @@ pub use curve::{Curve, Origin};
 pub use error::SketchError;
 pub use labels::{LabelLength, Labels, MAX_LABELS, OneHot, read_labels};
 pub use measure::Bounds;
-pub use read::{Format, read_curve};
+pub use read::{Drawing, Format, read_curve, read_drawing};
 pub use resample::{Timing, frame_count, resample};
 pub use smooth::{Ends, smooth};
 pub use table::{MAX_CONTROL_VALUES, MAX_TABLE_WIDTH, Table, read_table};

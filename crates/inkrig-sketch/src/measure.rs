@@ -62,6 +62,26 @@ impl Curve {
         let diagonal = self.bounds().diagonal();
         self.moves() && distance(first, last) <= CLOSED_WITHIN * diagonal && self.length() >= diagonal
     }
+
+    /// The curve with its first point again at its end, an ordinary step after its last one; as it is where they lie
+    /// nearer to each other than half of that.
+    pub fn closed_up(&self) -> Self {
+        let mut curve = self.clone();
+        let (Some(&first), Some(&last)) = (self.points().first(), self.points().last()) else { return curve };
+        let steps = self.point_count().saturating_sub(1).max(1) as f64;
+        if distance(first, last) < 0.5 * self.length() / steps {
+            return curve;
+        }
+        curve.points.push(first);
+        if let Some(seconds) = &mut curve.seconds {
+            let end = seconds.last().copied().unwrap_or(0.0);
+            seconds.push(end + end / steps);
+        }
+        if let Some(pressure) = &mut curve.pressure {
+            pressure.extend(pressure.first().copied());
+        }
+        curve
+    }
 }
 
 /// Distance travelled up to each point; as many values as points, the first 0.

@@ -6,6 +6,7 @@ use csv::{ReaderBuilder, StringRecord, Trim};
 
 use crate::builder::{CurveBuilder, Refusal, Sample};
 use crate::limits::MAX_POINTS;
+use crate::table::is_time;
 use crate::{Curve, Origin, SketchError};
 
 /// Delimiters that a file may hold for each point that it may hold: bounds what one row can make us allocate.
@@ -129,8 +130,14 @@ impl Columns {
             let place = match name.to_lowercase().as_str() {
                 "x" => &mut x,
                 "y" => &mut y,
-                "t" | "time" => &mut seconds,
+                name if is_time(name) => &mut seconds,
                 "pressure" => &mut pressure,
+                "z" => {
+                    return Err((
+                        column + 1,
+                        "z makes a third dimension, and a plane has two; leave z out".into(),
+                    ));
+                }
                 _ => continue,
             };
             if place.replace(column).is_some() {

@@ -61,7 +61,7 @@ impl<'de> Visitor<'de> for Document<'_> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
-        let mut found = false;
+        let (mut found, mut is_map) = (false, false);
         while let Some(key) = map.next_key::<String>()? {
             match key.as_str() {
                 "points" | "strokes" if found => {
@@ -69,7 +69,8 @@ impl<'de> Visitor<'de> for Document<'_> {
                 }
                 "points" => map.next_value_seed(Stroke(self.0))?,
                 "strokes" => map.next_value_seed(Strokes(self.0))?,
-                _ => {
+                other => {
+                    is_map |= other == "map_stress";
                     map.next_value::<IgnoredAny>()?;
                     continue;
                 }
@@ -78,6 +79,9 @@ impl<'de> Visitor<'de> for Document<'_> {
         }
         if found {
             Ok(())
+        } else if is_map {
+            let what = "this is a clip's map and no drawing; write the map as .svg and draw a line over it";
+            Err(A::Error::custom(what))
         } else {
             Err(A::Error::custom("the object has neither \"points\" nor \"strokes\""))
         }

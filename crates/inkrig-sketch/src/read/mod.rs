@@ -1,8 +1,11 @@
 //! Drawings as files: bytes in, [`Curve`] out.
 
 pub(crate) mod csv;
+mod drawing;
 pub(crate) mod json;
 mod svg;
+
+pub use drawing::{Drawing, read_drawing};
 
 use std::path::Path;
 
@@ -16,7 +19,7 @@ pub enum Format {
     /// `{"strokes": [[...], ...]}`. x and y are taken as they are, y up; t is in seconds. Other keys are ignored.
     Json,
     /// Rows `x,y[,t[,pressure]]` with comma, semicolon or tab; a header may name the columns in any order; `#` begins a
-    /// comment line. x and y are taken as they are, y up; t is in seconds. One stroke.
+    /// comment line. x and y are taken as they are, y up; t is in seconds. One stroke. For more dimensions: [`read_drawing`].
     Csv,
     /// All visible paths and shapes in document order, as they appear on the page, with y **turned to point up**.
     /// Every subpath is a stroke. Nothing outside the file is read; text and images are left out.

@@ -80,13 +80,47 @@ impl Table {
     /// [`SketchError::FrameCount`] for no frame or more than [`MAX_FRAMES`]; [`SketchError::TooManyValues`] where frames
     /// times width is above [`MAX_CONTROL_VALUES`].
     pub fn resample(&self, frames: usize) -> Result<Vec<f64>, SketchError> {
+        self.at(frames, self.seconds.as_deref())
+    }
+
+    /// As [`Self::resample`], at equal steps of the way through its rows instead of time.
+    ///
+    /// # Errors
+    /// As for [`Self::resample`].
+    pub fn resample_evenly(&self, frames: usize) -> Result<Vec<f64>, SketchError> {
+        let mut way = 0.0;
+        let steps = self.steps().map(|step| {
+            way += step;
+            way
+        });
+        let places: Vec<f64> = std::iter::once(0.0).chain(steps).collect();
+        self.at(frames, Some(&places))
+    }
+
+    /// Whether the last row is where the first is, nearer than half of an ordinary step: a loop.
+    pub fn repeats_its_first(&self) -> bool {
+        let steps = self.row_count().saturating_sub(1).max(1) as f64;
+        let (first, last) =
+            (self.values.iter().take(self.width), self.values.iter().rev().take(self.width).rev());
+        let apart = first.zip(last).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        apart < 0.5 * self.steps().sum::<f64>() / steps
+    }
+
+    /// How far it is from every row to the next.
+    fn steps(&self) -> impl Iterator<Item = f64> + '_ {
+        let rows = self.values.chunks_exact(self.width);
+        let pairs = rows.clone().zip(rows.skip(1));
+        pairs.map(|(a, b)| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt())
+    }
+
+    fn at(&self, frames: usize, places: Option<&[f64]>) -> Result<Vec<f64>, SketchError> {
         if frames == 0 || frames > MAX_FRAMES {
             return Err(SketchError::FrameCount { frames });
         }
         if frames * self.width > MAX_CONTROL_VALUES {
             return Err(SketchError::TooManyValues { what: self.what });
         }
-        Ok(resample::at_equal_steps(&self.values, self.width, self.seconds.as_deref(), frames))
+        Ok(resample::at_equal_steps(&self.values, self.width, places, frames))
     }
 }
 

@@ -11,7 +11,7 @@ const WHAT: &str = "table";
 /// Reads a curve of any dimension from the bytes of a CSV file: one row for each frame.
 ///
 /// Fields are separated by comma, semicolon or tab; `#` begins a comment line; a byte order mark is skipped. A first row
-/// without any number is a header. A column that it names `t` or `time` is the time in seconds and no dimension.
+/// without any number is a header. A column that it names `t`, `time` or `seconds` is the time in seconds and no dimension.
 ///
 /// # Errors
 /// Any [`SketchError`] that says what the file holds and where: too large, not UTF-8, fewer than two rows, more than
@@ -40,7 +40,7 @@ pub(crate) fn field_count(row: &StringRecord) -> usize {
 
 /// Which name stands for the time.
 pub(crate) fn is_time(name: &str) -> bool {
-    name.eq_ignore_ascii_case("t") || name.eq_ignore_ascii_case("time")
+    ["t", "time", "seconds"].iter().any(|time| name.eq_ignore_ascii_case(time))
 }
 
 impl From<(usize, Refusal)> for Stop {
