@@ -8,12 +8,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// The largest file that is read, bytes: 256 MiB.
 pub const MAX_BYTES: usize = 256 << 20;
-/// The longest sound that is read, seconds.
-pub const MAX_SECONDS: u32 = 3600;
+/// The longest sound that is read, seconds: what can be matched, 100,000 frames of 30 a second, and a little more.
+pub const MAX_SECONDS: u32 = 3334;
 /// The most channels that are read.
 pub const MAX_CHANNELS: usize = 64;
-/// The most mono samples that are kept: an hour at 48 kHz, 691 MB.
-pub const MAX_SAMPLES: usize = 3600 * 48_000;
+/// The most mono samples that are kept: [`MAX_SECONDS`] at 48 kHz, 640 MB.
+pub const MAX_SAMPLES: usize = MAX_SECONDS as usize * 48_000;
 /// The most samples that one byte of a file may stand for. Digital silence in FLAC and Vorbis reaches 300 to 1300.
 pub const MAX_SAMPLES_PER_BYTE: usize = 2048;
 

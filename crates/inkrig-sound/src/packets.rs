@@ -92,6 +92,12 @@ impl<'a> Packets<'a> {
         let most = MAX_SAMPLES
             .min(MAX_SAMPLES_PER_BYTE.saturating_mul(bytes.len()))
             .min(usize::try_from(u64::from(rate) * u64::from(MAX_SECONDS)).unwrap_or(usize::MAX));
+        if format == SoundFormat::Flac {
+            // Only here a length is counted by the encoder and never a guess; a stream without one says 0.
+            let announced = usize::try_from(announced.unwrap_or(0)).unwrap_or(usize::MAX);
+            let longest = usize::try_from(u64::from(rate) * u64::from(MAX_SECONDS)).unwrap_or(usize::MAX);
+            check_length(announced, MAX_SAMPLES.min(longest), rate)?;
+        }
         let read = Read { rate, channels, announced, ..Read::default() };
         Ok(Self { format, reader, decoder, track, most, first: None, interleaved: Vec::new(), read })
     }

@@ -9,7 +9,7 @@
 
 mod common;
 
-use common::{ENCODED, fixture, seal_ogg, wav};
+use common::{ENCODED, fixture, seal_ogg, still_flac, wav};
 use inkrig_sound::decode;
 use std::{
     alloc::{GlobalAlloc, Layout, System},
@@ -122,6 +122,15 @@ fn hostile_headers_allocate_little() {
         println!("{name:<36}{:>10}{peak:>10}  {}", bytes.len(), if read { "read" } else { "refused" });
         assert!(peak <= 16 * bytes.len() + (6 << 20), "{name}: {peak} bytes for a file of {}", bytes.len());
     }
+    // A small file may hold a long sound: what it costs goes with the sound, and too long a one is refused by its header.
+    let blocks = 400;
+    let long = still_flac(8000, blocks, u64::from(blocks) * 16_384);
+    let (highest, read) = peak(&long);
+    let samples = blocks as usize * 16_384;
+    println!("{samples} samples in {} bytes of FLAC: peak {highest}", long.len());
+    assert!(read && highest <= 3 * 4 * samples + (6 << 20), "{highest} bytes for {samples} samples");
+    let (highest, read) = peak(&still_flac(8000, 2000, 3335 * 8000));
+    assert!(!read && highest < 6 << 20, "{highest} bytes for a sound that is too long");
     // The largest codebooks that are let through cost a fixed amount that does not grow with the file.
     for (books, length) in [(63, 9), (4, 14), (2, 14)] {
         let bytes = codebooks(books, length);
