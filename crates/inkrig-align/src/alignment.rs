@@ -129,7 +129,7 @@ pub(crate) fn align_with(
         stages: clock.stages,
         levels: matching.levels,
     };
-    report.notes = notes(&report, options);
+    report.notes = notes(&report, options, (&drawn, &rows), &columns);
     Ok(Alignment { clip, source, plan: matching.plan, best_source, confidence, used, lead_ins, report })
 }
 

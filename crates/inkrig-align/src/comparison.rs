@@ -152,7 +152,7 @@ impl Comparison {
     fn tables(&self, result: &Clip) -> Result<(Mat<f32>, Mat<f32>, f32), AlignError> {
         self.check_character(result)?;
         let means = column_means(&self.features);
-        let own = result_frames(result, &self.layout, &self.rows, &means, &self.options)?;
+        let own = result_frames(result, &self.layout, &self.rows, &means, self.options.matching_rate)?;
         let frames = centred(&self.features, &means);
         let (mut scratch, mut out) = (PatchScratch::new(), Mat::default());
         let (table, threads) = (frames.view(), self.options.threads);

@@ -65,11 +65,14 @@ pub struct CurveOptions {
     pub smooth: f64,
     /// How the samples are spread along the curve; `None` chooses by what the curve has.
     pub timing: Option<Timing>,
+    /// Whether its end goes over into its beginning: for a loop, or to be [repeated](Control::repeated). The samples of
+    /// a closed curve then are evenly apart over its seam too, where else the first point would be there twice.
+    pub goes_on: bool,
 }
 
 impl Default for CurveOptions {
     fn default() -> Self {
-        Self { samples: None, rate: 30.0, smooth: 2.0, timing: None }
+        Self { samples: None, rate: 30.0, smooth: 2.0, timing: None, goes_on: false }
     }
 }
 
@@ -194,7 +197,13 @@ impl Control {
         let own = || frame_count(curve, options.rate).unwrap_or((TIMELESS * options.rate).round() as usize);
         let samples = checked(options.samples.unwrap_or_else(own))?;
         let timing = options.timing.unwrap_or_else(|| Timing::automatic(curve, samples));
-        let points = smooth(&resample(curve, samples, timing)?, options.smooth, Ends::Open)?;
+        let points = if options.goes_on && curve.is_closed() {
+            let mut points = resample(&curve.closed_up(), samples + 1, timing)?;
+            points.truncate(samples);
+            smooth(&points, options.smooth, Ends::Cyclic)?
+        } else {
+            smooth(&resample(curve, samples, timing)?, options.smooth, Ends::Open)?
+        };
         let values: Vec<f64> = points.iter().flatten().copied().collect();
         Self::from_values(&values, 2, options.rate, ControlKind::Curve)
     }
@@ -215,9 +224,35 @@ impl Control {
     /// # Errors
     /// When it is too long or does not change.
     pub fn from_table(table: &Table, samples: Option<usize>, rate: f64) -> Result<Self, AlignError> {
-        let samples = checked(samples.unwrap_or_else(|| table.frame_count(rate)))?;
-        let kind = if table.width() == 1 { ControlKind::Wave } else { ControlKind::Curve };
-        Self::from_values(&table.resample(samples)?, table.width(), rate, kind)
+        Self::from_table_as(table, &CurveOptions { samples, rate, smooth: 0.0, ..CurveOptions::default() })
+    }
+
+    /// As [`Self::from_table`], smoothed, spread evenly along its way with [`Timing::ArcLength`], and going on from its end to
+    /// its beginning, as the options say.
+    ///
+    /// # Errors
+    /// As for [`Self::from_table`], and when the smoothing is out of range.
+    pub fn from_table_as(table: &Table, options: &CurveOptions) -> Result<Self, AlignError> {
+        let (width, rate) = (table.width(), options.rate);
+        let samples = checked(options.samples.unwrap_or_else(|| table.frame_count(rate)))?;
+        let closes = options.goes_on && table.repeats_its_first();
+        let frames = samples + usize::from(closes);
+        let mut values = if options.timing == Some(Timing::ArcLength) {
+            table.resample_evenly(frames)?
+        } else {
+            table.resample(frames)?
+        };
+        values.truncate(samples * width);
+        if options.smooth != 0.0 {
+            let ends = if closes { Ends::Cyclic } else { Ends::Open };
+            for column in 0..width {
+                let own: Vec<[f64; 1]> = values.chunks_exact(width).map(|row| [row[column]]).collect();
+                let smoothed = smooth(&own, options.smooth, ends)?;
+                values.chunks_exact_mut(width).zip(smoothed).for_each(|(row, [value])| row[column] = value);
+            }
+        }
+        let kind = if width == 1 { ControlKind::Wave } else { ControlKind::Curve };
+        Self::from_values(&values, width, rate, kind)
     }
 
     /// The control of a sound's plain wave (MAMM Sec. 4.2): the mean of the samples around each frame, where the file holds
@@ -351,6 +386,56 @@ mod tests {
         assert_eq!(heard.loudness.len(), 2 * twice.heard.unwrap().loudness.len());
         assert!(matches!(played(0), Err(AlignError::Option { .. })));
         assert!(matches!(played(1 << 20), Err(AlignError::LongSound { .. })), "refused before it is made");
+    }
+
+    #[test]
+    fn a_closed_curve_that_goes_on_has_no_point_twice() {
+        let turn = |i: usize, of: usize| (i as f64 / of as f64 * std::f64::consts::TAU).sin_cos();
+        // The first point again at the end, or left out there.
+        for points in [0..=120, 0..=119] {
+            let points: Vec<[f64; 2]> = points.map(|i| turn(i, 120).into()).collect();
+            let curve = Curve::new(points).unwrap();
+            for (smooth, timing) in [(2.0, None), (0.0, None), (2.0, Some(Timing::ArcLength))] {
+                let options =
+                    CurveOptions { samples: Some(90), smooth, timing, goes_on: true, ..Default::default() };
+                even(&Control::from_curve(&curve, &options).unwrap(), 0.02);
+                // Without a seam the first point stands there twice.
+                let open = Control::from_curve(&curve, &CurveOptions { goes_on: false, ..options }).unwrap();
+                assert!(steps(&open)[89] < 0.3 * steps(&open)[40] || curve.point_count() == 120);
+            }
+        }
+        let rows = |last: usize| {
+            let row = |i: usize| format!("{},{},{}\n", turn(i, 60).0, turn(i, 60).1, turn(i + 9, 60).0);
+            inkrig_sketch::read_table((0..=last).map(row).collect::<String>().as_bytes()).unwrap()
+        };
+        for (timing, smooth) in [(None, 0.0), (Some(Timing::ArcLength), 2.0)] {
+            let options =
+                CurveOptions { samples: Some(60), smooth, timing, goes_on: true, ..Default::default() };
+            even(&Control::from_table_as(&rows(60), &options).unwrap(), 0.5);
+        }
+        let wobble: String = (0..60).map(|i| format!("{i},{},{}\n", i % 2, 3 * (i % 2))).collect();
+        let wobble = inkrig_sketch::read_table(wobble.as_bytes()).unwrap();
+        let straight = CurveOptions { smooth: 4.0, ..CurveOptions::default() };
+        let [rough, smooth] = [CurveOptions { smooth: 0.0, ..straight }, straight]
+            .map(|options| steps(&Control::from_table_as(&wobble, &options).unwrap())[30]);
+        assert!(smooth < 0.5 * rough, "{smooth} {rough}");
+    }
+
+    /// Lengths of the steps around a control.
+    fn steps(control: &Control) -> Vec<f32> {
+        let count = control.features.frames();
+        let step = |i: usize| {
+            let pairs = control.features.row(i).iter().zip(control.features.row((i + 1) % count));
+            pairs.map(|(a, b)| (a - b).powi(2)).sum::<f32>().sqrt()
+        };
+        (0..count).map(step).collect()
+    }
+
+    /// Steps of a circle, that over the seam too, differ by no more than a share of their mean.
+    fn even(control: &Control, within: f32) {
+        let steps = steps(control);
+        let mean = steps.iter().sum::<f32>() / steps.len() as f32;
+        assert!(steps.iter().all(|step| (step / mean - 1.0).abs() < within), "{steps:?}");
     }
 
     #[test]

@@ -120,7 +120,10 @@ impl Layout {
     /// Where a frame of this layout is in the same clips at another length.
     pub fn frame_in(&self, other: &Self, frame: usize) -> usize {
         for (own, new) in self.parts.iter().zip(&other.parts) {
-            if own.contains(&frame) && !new.is_empty() {
+            if own.contains(&frame) && new.is_empty() {
+                return new.start.min(other.frames().saturating_sub(1));
+            }
+            if own.contains(&frame) {
                 let place = (frame - own.start) as f64 / (own.len() - 1).max(1) as f64;
                 return new.start + (place * (new.len() - 1) as f64).round() as usize;
             }
@@ -133,8 +136,35 @@ impl Layout {
         &self.parts
     }
 
-    /// The patch whose middle frame is nearest to a frame, if there is any patch.
+    /// The patches that the next one follows in the same clip.
+    pub fn followed(&self) -> Vec<usize> {
+        self.runs().flat_map(|run| run.patch..run.patch + run.count - 1).collect()
+    }
+
+    /// Numbers of the clips, from 0, that are shorter than a patch and so have none.
+    pub fn without_patches(&self) -> impl Iterator<Item = usize> + '_ {
+        let short = |part: &Range<usize>| !self.cyclic && part.len() < self.patch;
+        self.parts.iter().enumerate().filter(move |(_, part)| short(part)).map(|(clip, _)| clip)
+    }
+
+    /// The frames of the clip that a frame is of.
+    pub fn part_of(&self, frame: usize) -> Option<Range<usize>> {
+        self.parts.iter().find(|part| part.contains(&frame)).cloned()
+    }
+
+    /// The patch of the frame's own clip whose middle frame is nearest to it; `None` where that clip has no patch.
     pub fn patch_around(&self, frame: usize) -> Option<usize> {
+        if self.cyclic {
+            return self.nearest_patch(frame);
+        }
+        let run =
+            self.runs().find(|run| (run.frame..run.frame + run.count + self.patch - 1).contains(&frame))?;
+        let first = frame.saturating_sub(self.patch / 2).clamp(run.frame, run.frame + run.count - 1);
+        Some(run.patch + first - run.frame)
+    }
+
+    /// The patch whose middle frame is nearest to a frame, of whatever clip, if there is any patch.
+    pub fn nearest_patch(&self, frame: usize) -> Option<usize> {
         let half = self.patch / 2;
         if self.cyclic {
             let frames = self.frames();
@@ -165,7 +195,12 @@ mod tests {
         assert_eq!(layout.covering(7), []);
         assert_eq!(layout.covering(10), [(4, 2), (5, 1), (6, 0)]);
         assert_eq!(layout.patch_around(2), Some(1));
-        assert_eq!(layout.patch_around(7), Some(4));
+        assert_eq!(layout.patch_around(7), None, "a clip shorter than a patch has none");
+        assert_eq!(layout.nearest_patch(7), Some(4));
+        assert_eq!(layout.patch_around(8), Some(4));
+        assert_eq!((layout.part_of(7), layout.part_of(13)), (Some(6..8), None));
+        assert_eq!(layout.without_patches().collect::<Vec<_>>(), [1]);
+        assert_eq!(layout.followed(), [0, 1, 2, 4, 5]);
         assert_eq!(layout.patch_around(12), Some(6));
     }
 

@@ -46,7 +46,7 @@ pub use comparison::Comparison;
 pub use control::{Control, ControlKind, CurveOptions, Domain, SoundOptions};
 pub use error::AlignError;
 pub use explain::{Alternative, Explanation, alternatives};
-pub use keys::{Key, KeyRow, Keys, Place, Pose};
+pub use keys::{Key, KeyRow, Keys, Place, Pose, pose_errors};
 pub use layout::{Layout, Run};
 pub use live::{
     LiveAlignment, LiveAnswer, LiveEvent, LiveObserver, StreamAlignment, StreamOptions, StreamPiece,
@@ -57,5 +57,5 @@ pub use quality::Quality;
 pub use report::{AMBIGUOUS, Report, StageRow};
 pub use solver::{MOST_FRAMES, MOST_TABLE_FRAMES, Solver, SolverRow};
 pub use sound_fit::{Heard, SoundFit};
-pub use suggest::{Candidate, MapFrame, Moment, Moments, MotionMap, candidates, keys_on_map};
+pub use suggest::{Candidate, MapFrame, Moment, Moments, MotionMap, candidates, keys_on_map, principal_axes};
 pub use weights::FrameWeights;

@@ -1,8 +1,10 @@
 //! How good an alignment is, in numbers that cannot all be gamed at once: structure alone can be had by freezing or
 //! by jumping, nearness alone by repeating one moment.
 
-use inkrig_motion::{Clip, kinematics};
+use crate::Layout;
+use inkrig_motion::{Clip, Takes, kinematics};
 use inkrig_transport::Mat;
+use std::ops::Range;
 
 /// Correlation of two distance tables of equal size over pairs of patches that share no frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,10 +67,11 @@ pub struct Nearness {
 }
 
 /// Nearness from the distances between output and source patches (N x M) and within the source (M x M), both
-/// divided by the source's mean.
-pub fn nearness(cross: &Mat<f32>, source: &Mat<f32>) -> Nearness {
-    let steps = source.rows().saturating_sub(1);
-    let adjacent = (0..steps).map(|i| f64::from(source.row(i)[i + 1])).sum::<f64>() / steps.max(1) as f64;
+/// divided by the source's mean; `columns` says where the source is cut.
+pub fn nearness(cross: &Mat<f32>, source: &Mat<f32>, columns: &Layout) -> Nearness {
+    let steps: Vec<f64> =
+        columns.followed().into_iter().map(|patch| f64::from(source.row(patch)[patch + 1])).collect();
+    let adjacent = steps.iter().sum::<f64>() / steps.len().max(1) as f64;
     let reach = (2.0 * adjacent).max(0.1) as f32;
     let mut nearest_of_column = vec![f32::INFINITY; cross.cols()];
     let mut total = 0.0;
@@ -103,12 +106,25 @@ impl Dynamics {
     /// # Panics
     /// When there is no such joint.
     pub fn of(clip: &Clip, travel_joint: usize) -> Self {
+        Self::of_parts(clip, std::iter::once(0..clip.frames()), travel_joint)
+    }
+
+    /// The same of several clips: nothing moves from one to the next.
+    ///
+    /// # Panics
+    /// As for [`Self::of`].
+    pub fn of_takes(takes: &Takes, travel_joint: usize) -> Self {
+        Self::of_parts(takes.clip(), takes.ranges(), travel_joint)
+    }
+
+    fn of_parts(clip: &Clip, parts: impl Iterator<Item = Range<usize>>, travel_joint: usize) -> Self {
+        let parts: Vec<Range<usize>> = parts.collect();
         let positions = kinematics::positions(clip).relative_to(travel_joint);
         let rate = clip.frame_rate() as f32;
         let joints = positions.joints() as f32;
         let mut speeds = Vec::new();
         let mut single = Vec::new();
-        for frame in 1..positions.frames() {
+        for frame in parts.iter().cloned().flat_map(|part| part.skip(1)) {
             let begin = single.len();
             let pairs = positions.frame(frame).iter().zip(positions.frame(frame - 1));
             single.extend(pairs.map(|(to, from)| to.distance(*from) * rate));
@@ -116,7 +132,7 @@ impl Dynamics {
         }
         let speed_q999 = f64::from(quantile(&mut single, 0.999));
         let (mut jerk, mut count) = (0.0, 0);
-        for frame in 3..positions.frames() {
+        for frame in parts.into_iter().flat_map(|part| part.skip(3)) {
             let [a, b, c, d] = std::array::from_fn(|back| positions.frame(frame - back));
             for joint in 0..positions.joints() {
                 let third = a[joint] - 3.0 * b[joint] + 3.0 * c[joint] - d[joint];
@@ -174,10 +190,28 @@ mod tests {
     #[test]
     fn a_copy_is_near_and_covers_all() {
         let line = Mat::from_fn(20, 20, |i, j| 0.06 * i.abs_diff(j) as f32);
-        let whole = nearness(&line, &line);
+        let all = Layout::open(20, 1);
+        let whole = nearness(&line, &line, &all);
         assert_eq!((whole.nearest_patch, whole.coverage), (0.0, 1.0));
         let first = Mat::from_fn(5, 20, |_, j| line.row(0)[j]);
-        assert_eq!(nearness(&first, &line).coverage, 0.1, "only what is less than 0.12 away");
+        assert_eq!(nearness(&first, &line, &all).coverage, 0.1, "only what is less than 0.12 away");
+        // Two clips that are far apart: the way from one to the other is no step of either.
+        let place = |i: usize| 0.06 * i as f32 + if i < 10 { 0.0 } else { 50.0 };
+        let two = Mat::from_fn(20, 20, |i, j| (place(i) - place(j)).abs());
+        let first = Mat::from_fn(5, 20, |_, j| two.row(0)[j]);
+        let coverage = nearness(&first, &two, &Layout::clips(&[10, 10], 1)).coverage;
+        assert!(coverage < 0.16, "{coverage}: 0.5 if the way between them counts");
+    }
+
+    #[test]
+    fn nothing_moves_from_one_clip_to_the_next() {
+        let (one, other) = (swinging(4.0, 30.0), swinging(2.5, 30.0));
+        let takes = Takes::join(&[one.clone(), other.clone(), one.clone()]).unwrap();
+        let (all, alone) = (Dynamics::of_takes(&takes, 0), Dynamics::of(&one, 0));
+        assert_eq!(all.speeds.len(), 2 * (one.frames() - 1) + other.frames() - 1);
+        assert!((all.jerk / alone.jerk - 1.0).abs() < 0.1, "{} {}", all.jerk, alone.jerk);
+        assert!(all.speed_q999 <= 1.001 * alone.speed_q999);
+        assert!(Dynamics::of(takes.clip(), 0).jerk > 1.5 * alone.jerk, "a cut is seen where there is one");
     }
 
     #[test]

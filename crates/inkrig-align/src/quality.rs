@@ -52,7 +52,7 @@ impl Quality {
         // Centred, so that squares of what all frames have in common do not eat the digits of what differs.
         let means = column_means(features);
         let frames = centred(features, &means);
-        let own = result_frames(result, layout, rows, &means, options)?;
+        let own = result_frames(result, layout, rows, &means, options.matching_rate)?;
         let mut stretched = Mat::zeros(0, 0);
         // The baseline knows neither cuts nor loops.
         let (all, even) =
@@ -66,7 +66,7 @@ impl Quality {
         };
         let (own, warp, near) = measure(drawn, own, stretched, (frames.view(), columns), options.threads)?;
         let travel = layout.travel_joint();
-        let (moves, original) = (Dynamics::of(result, travel), Dynamics::of(source.clip(), travel));
+        let (moves, original) = (Dynamics::of(result, travel), Dynamics::of_takes(source, travel));
         let slow = 0.1 * original.speed_mean();
         Ok(Self {
             structure_pearson: own.pearson,
@@ -104,23 +104,23 @@ fn whole(
     patch_distances(motion, clip, scale, &mut scratch, &mut cross, threads)?;
     patch_distances(warped, warped, scale, &mut scratch, &mut of_warped, threads)?;
     let follows = |table| structure(&of_control, table, control.1.patch());
-    Ok((follows(&of_motion), follows(&of_warped), nearness(&cross, &of_source)))
+    Ok((follows(&of_motion), follows(&of_warped), nearness(&cross, &of_source, clip.1)))
 }
 
 /// A table of frames and where its patches stand.
 type Table<'a> = (MatRef<'a, f32>, &'a Layout);
 
-/// The frames of a result at the matching rate, one a control sample, less the source's means.
+/// The frames of a result at the matching rate, one a control sample, less the source's `means`.
 pub(crate) fn result_frames(
     result: &Clip,
     layout: &FeatureLayout,
     rows: &Layout,
     means: &[f32],
-    options: &Options,
+    rate: f64,
 ) -> Result<Mat<f32>, AlignError> {
-    let step = frames_per_sample(result.frame_rate(), options.matching_rate);
+    let step = frames_per_sample(result.frame_rate(), rate);
     let places: Vec<f64> = (0..rows.frames()).map(|sample| sample as f64 * step).collect();
-    let matched = time::sample_at(result, &places, options.matching_rate)?;
+    let matched = time::sample_at(result, &places, rate)?;
     let mut own = centred(&layout.features(&matched.into()), means);
     close_loop(rows, &mut own);
     Ok(own)

@@ -1,7 +1,8 @@
 //! What came out, in flat numbers with stable names.
 
 use crate::coarse_to_fine::LevelRow;
-use crate::{KeyRow, Options, Quality, SolverRow, SoundFit};
+use crate::{KeyRow, Layout, Options, Quality, SolverRow, SoundFit};
+use inkrig_transport::Mat;
 use serde::Serialize;
 
 /// Numbers of one alignment. The names are stable: tools may read them from the report file.
@@ -99,12 +100,50 @@ pub struct StageRow {
     pub seconds: f64,
 }
 
+/// The step over the seam of a loop, in ordinary ones, above which it is seen.
+const SEAM: f64 = 1.5;
 /// Frames at the matching rate (four seconds) below which a sound is worth repeating.
 const SHORT_SOUND: usize = 120;
 
-/// Notes on a result that a person would otherwise find out by looking.
-pub(crate) fn notes(report: &Report, options: &Options) -> Vec<String> {
+/// Changes of a control within a piece, in its mean distances, above which no piece can follow: a wave of about one and a
+/// half periods a piece.
+const QUICK: f64 = 3.0;
+
+/// How far a control goes within a patch, in the mean distance of two of its samples: 4.9 for a sine of one period a
+/// patch.
+pub(crate) fn quickness(control: &Mat<f32>, rows: &Layout) -> f64 {
+    let count = rows.frames();
+    let apart = |i: usize, j: usize| {
+        let pairs = control.row(i).iter().zip(control.row(j % count));
+        pairs.map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>().sqrt()
+    };
+    let mean = |values: &mut dyn Iterator<Item = f64>| {
+        let (sum, number) = values.fold((0.0, 0_usize), |(sum, number), value| (sum + value, number + 1));
+        sum / number.max(1) as f64
+    };
+    let step = mean(&mut (1..count).map(|i| apart(i - 1, i)));
+    // Every sample with another from anywhere.
+    let size = mean(&mut (0..count).map(|i| apart(i, i.wrapping_mul(i).wrapping_mul(31) + 17 * i + 7)));
+    if size > 0.0 { step * rows.patch() as f64 / size } else { 0.0 }
+}
+
+/// Notes on a result that a person would otherwise find out by looking. `control` and `rows` are at the matching rate,
+/// `columns` are the clips.
+pub(crate) fn notes(
+    report: &Report,
+    options: &Options,
+    (control, rows): (&Mat<f32>, &Layout),
+    columns: &Layout,
+) -> Vec<String> {
     let mut notes = Vec::new();
+    for clip in columns.without_patches() {
+        notes.push(format!(
+            "Clip {} is shorter than a piece ({} frames at {} a second) and is not used. A smaller --patch takes it in.",
+            clip + 1,
+            columns.patch(),
+            options.matching_rate
+        ));
+    }
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     match report.rest_pose_frames {
         0 => {}
@@ -118,6 +157,9 @@ pub(crate) fn notes(report: &Report, options: &Options) -> Vec<String> {
         let blurred = options.epsilon > 2.0 * Options::default().epsilon;
         let advice = if blurred {
             "Many poses are mixed into one: give a smaller --epsilon."
+        } else if quickness(control, rows) > QUICK {
+            "The control goes to and fro within a single piece of motion: give a slower one, a longer --length, or a \
+             smaller --patch."
         } else {
             "The control asks for more variety than the clip has, or changes too slowly: give a longer or more varied \
              clip, a shorter --length, or a larger --lambda (0.3)."
@@ -154,6 +196,12 @@ pub(crate) fn notes(report: &Report, options: &Options) -> Vec<String> {
                 .to_string(),
         );
     }
+    if let Some(seam) = report.loop_seam_ratio.filter(|seam| *seam > SEAM) {
+        notes.push(format!(
+            "The loop is seen to end: the step to its beginning is {seam:.1} times an ordinary one. Keys near both ends \
+             should ask for poses that are alike."
+        ));
+    }
     for key in &report.keys {
         match (key.kind, key.distance, key.asked, key.jump) {
             ("never", Some(near), Some(radius), _) if near < 0.9 * radius => notes.push(format!(
@@ -182,4 +230,19 @@ pub(crate) fn notes(report: &Report, options: &Options) -> Vec<String> {
         );
     }
     notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wave_is_too_quick_when_it_goes_to_and_fro_within_a_piece() {
+        let of = |period: f32| {
+            let wave = Mat::from_fn(300, 1, |row, _| (row as f32 / period * std::f32::consts::TAU).sin());
+            quickness(&wave, &Layout::open(300, 11))
+        };
+        assert!((of(11.0) - 4.9).abs() < 0.5, "{}", of(11.0));
+        assert!(of(12.0) > QUICK && of(30.0) < QUICK && of(150.0) < 1.0);
+    }
 }

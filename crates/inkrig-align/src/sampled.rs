@@ -97,12 +97,16 @@ fn nearness(motion: Table<'_>, clip: Table<'_>, unit: f64, threads: usize) -> Re
     let nearest = nearest(motion, clip, threads)?;
     let first = clip.1.first_frames();
     let windows = Windows::new(clip.0, &first, clip.1.patch())?;
-    let steps = first.len().saturating_sub(1);
-    let follow = Support::from_rows(steps.max(1), first.len(), |i, out| out.push((i + 1).min(steps)))?;
-    let before = Windows::new(clip.0, &first[..steps.max(1)], clip.1.patch())?;
+    let followed = clip.1.followed();
     let mut adjacent = Vec::new();
-    before.distances_at(&windows, &follow, 1.0, threads, &mut adjacent)?;
-    let adjacent = adjacent.iter().map(|&d| f64::from(d)).sum::<f64>() / (steps.max(1) as f64 * unit);
+    if !followed.is_empty() {
+        let follow = Support::from_rows(followed.len(), first.len(), |i, out| out.push(followed[i] + 1))?;
+        let starts: Vec<usize> = followed.iter().map(|&patch| first[patch]).collect();
+        let before = Windows::new(clip.0, &starts, clip.1.patch())?;
+        before.distances_at(&windows, &follow, 1.0, threads, &mut adjacent)?;
+    }
+    let steps = followed.len().max(1) as f64;
+    let adjacent = adjacent.iter().map(|&d| f64::from(d)).sum::<f64>() / (steps * unit);
     let reach = (2.0 * adjacent).max(0.1);
     let used = self::nearest(clip, motion, threads)?;
     let covered = used.iter().filter(|&&distance| f64::from(distance) / unit < reach).count();
@@ -162,7 +166,7 @@ mod tests {
         [&mut of_clip, &mut cross].into_iter().for_each(|mat| {
             mat.as_mut_slice().iter_mut().for_each(|d| *d /= unit as f32);
         });
-        let near = measures::nearness(&cross, &of_clip);
+        let near = measures::nearness(&cross, &of_clip, &columns);
         let (own, other, got) =
             measure((control.view(), &rows), tables.0, (warped.view(), &rows), tables.1, 2).unwrap();
         println!("{want:?} {own:?}, {warp:?} {other:?}, {near:?} {got:?}");

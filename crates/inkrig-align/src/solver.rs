@@ -12,6 +12,8 @@ pub const MOST_TABLE_FRAMES: usize = 4000;
 
 /// Cells (control patches x source patches) up to which `auto` gives a plan all entries.
 const MOST_FULL: usize = 4_000_000;
+/// Patches of one side up to which its distances to itself are held in full: 64 MB.
+const MOST_SIDE: usize = MOST_TABLE_FRAMES;
 /// Patches of one side from which on `auto` takes its distances by factors in the solver.
 const MOST_EXACT: usize = 1000;
 /// Growth from one level to the next, at most, where the coarsest level has to be coarser than the options say.
@@ -72,7 +74,7 @@ impl Levels {
             let of = |layout: &Layout| level_layouts(layout, count, ratio, options.patch());
             let all: Vec<Pair> = of(rows).into_iter().zip(of(columns)).collect();
             let limited = matches!(options.solver, Solver::Auto | Solver::Sparse);
-            if !limited || all.first().is_none_or(|pair| cells(pair) <= MOST_FULL) {
+            if !limited || all.first().is_none_or(is_full) {
                 break all;
             }
             if ratio > 1e4 {
@@ -84,7 +86,7 @@ impl Levels {
         };
         let full = match options.solver {
             Solver::Dense | Solver::LowRank => all.len(),
-            Solver::Auto => all.partition_point(|pair| cells(pair) <= MOST_FULL),
+            Solver::Auto => all.partition_point(is_full),
             Solver::Sparse => 1,
         };
         let sparse = all.split_off(full.min(all.len()));
@@ -103,8 +105,10 @@ impl Levels {
     }
 }
 
-fn cells((rows, columns): &Pair) -> usize {
-    rows.patches().saturating_mul(columns.patches())
+/// Whether a level's tables may be there as a whole: control x source, and each side with itself.
+fn is_full((rows, columns): &Pair) -> bool {
+    let (rows, columns) = (rows.patches(), columns.patches());
+    rows.saturating_mul(columns) <= MOST_FULL && rows.max(columns) <= MOST_SIDE
 }
 
 /// What solved the finest level.
@@ -149,5 +153,13 @@ mod tests {
         assert!(lengths.windows(2).all(|pair| pair[1][0] as f64 <= 1.61 * pair[0][0] as f64), "{lengths:?}");
         let (lengths, _) = levels([100, 100_000], Solver::Auto);
         assert_eq!(lengths.last(), Some(&[100, 100_000]));
+        // However short the other side is, none is held as a table of its own.
+        for frames in [[20_000, 500], [500, 20_000], [100_000, 40], [8000, 450]] {
+            for solver in [Solver::Auto, Solver::Sparse] {
+                let (lengths, full) = levels(frames, solver);
+                let longest = lengths[..full].iter().flatten().max();
+                assert!(longest <= Some(&(MOST_SIDE + 10)) && full >= 1, "{frames:?}: {lengths:?}");
+            }
+        }
     }
 }

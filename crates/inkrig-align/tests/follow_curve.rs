@@ -1,34 +1,16 @@
 //! The first real job from end to end: a clip and a drawn curve give a motion that follows the curve.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and prints its figures")]
 
+mod support;
+
 use inkrig_align::{
     AlignError, Alignment, Control, ControlKind, CurveOptions, Norm, Options, Preset, Report, align,
 };
-use inkrig_formats::{ImportOptions, read_bvh};
 use inkrig_motion::glam::{Quat, Vec3};
 use inkrig_motion::{Clip, Features, Joint, Skeleton, Takes, TranslationTrack, kinematics, time};
 use inkrig_sketch::{Curve, shapes};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
-
-fn sample(name: &str) -> Clip {
-    read_bvh(inkrig_samples::find(name).unwrap().bytes, &ImportOptions::default()).unwrap().clip
-}
-
-/// A motion of the reference folder; `None`, said in one line, where that is not there.
-fn reference(path: &str) -> Option<Clip> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let folder = std::env::var_os("INKRIG_REFERENCE").map_or_else(|| PathBuf::from(beside), PathBuf::from);
-    let file = folder.join("data").join(path);
-    match std::fs::read(&file) {
-        Ok(bytes) => Some(read_bvh(&bytes, &ImportOptions::default()).unwrap().clip),
-        Err(error) => {
-            assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "{}: {error}", file.display());
-            println!("skipped: no reference motion at {}", file.display());
-            None
-        }
-    }
-}
+use support::{reference, sample};
 
 fn follow(clip: &Clip, curve: &Curve, options: &Options) -> Alignment {
     let control = Control::from_curve(curve, &CurveOptions::default()).unwrap();

@@ -1,43 +1,17 @@
 //! Keyframes of every kind, on our samples and on real motion.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and prints its figures")]
 
+mod support;
+
 use inkrig_align::{
     AlignError, Alignment, Control, ControlKind, CurveOptions, Key, KeyRow, LiveAlignment, LiveEvent,
     Options, Place, Pose, Preset, align,
 };
-use inkrig_formats::{ImportOptions, read_amc, read_bvh};
-use inkrig_motion::{Clip, time};
+use inkrig_motion::{Clip, Takes, time};
 use inkrig_sketch::{Curve, shapes};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
 use std::sync::Arc;
-
-fn sample(name: &str) -> Clip {
-    read_bvh(inkrig_samples::find(name).unwrap().bytes, &ImportOptions::default()).unwrap().clip
-}
-
-/// A motion of the reference folder; `None`, said in one line, where that is not there.
-fn reference(path: &str) -> Option<Clip> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let folder = std::env::var_os("INKRIG_REFERENCE").map_or_else(|| PathBuf::from(beside), PathBuf::from);
-    let file = folder.join("data").join(path);
-    match std::fs::read(&file) {
-        Ok(bytes) if path.ends_with(".amc") => {
-            // Its skeleton is named by the folder: 05/05.asf.
-            let folder = file.parent().unwrap();
-            let skeleton = folder.join(folder.file_name().unwrap()).with_extension("asf");
-            let options =
-                ImportOptions { skeleton: Some(std::fs::read(skeleton).unwrap()), ..Default::default() };
-            Some(read_amc(&bytes, &options).unwrap().clip)
-        }
-        Ok(bytes) => Some(read_bvh(&bytes, &ImportOptions::default()).unwrap().clip),
-        Err(error) => {
-            assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "{}: {error}", file.display());
-            println!("skipped: no reference motion at {}", file.display());
-            None
-        }
-    }
-}
+use support::{reference, sample};
 
 fn circles(frames: usize) -> Curve {
     shapes::growing_circles(5, frames).unwrap()
@@ -446,4 +420,64 @@ fn keys_hold_in_live_updates_too() {
         assert!(answer.rotations(180)[3].dot(plain.rotations(180)[3]).abs() > 1.0 - 1e-6);
     }
     assert_eq!(answers.last(), Some(&plain));
+}
+
+/// The person's clip, and a piece of it that is shorter than a patch at the finest or at the coarsest level.
+fn with_a_short_one(frames: usize) -> Takes {
+    let clip = sample("person");
+    let short = time::trim(&clip, 300..300 + frames).unwrap();
+    Takes::join(&[time::trim(&clip, 0..300).unwrap(), short, time::trim(&clip, 400..700).unwrap()]).unwrap()
+}
+
+#[test]
+fn a_key_stays_in_its_own_clip() {
+    let run = |takes: &Takes, keys: Vec<Key>| {
+        let options = Options { keys, ..Options::default() };
+        align(takes, &drawn(240), &options, &mut |_| ControlFlow::Continue(()))
+    };
+    // Eight frames are no piece: what is asked of them is refused, and that they are not used is said.
+    let takes = with_a_short_one(8);
+    for key in [hard(2.0, 304), Key::Never { pose: Pose::Frame(304), radius: 0.3 }] {
+        let said = run(&takes, vec![key]).unwrap_err().to_string();
+        assert!(said.contains("clip 2") && said.contains("--patch"), "{said}");
+    }
+    let plain = run(&takes, Vec::new()).unwrap();
+    let says =
+        |alignment: &Alignment| alignment.report.notes.iter().any(|note| note.contains("Clip 2 is shorter"));
+    assert!(says(&plain), "{:?}", plain.report.notes);
+    // Twenty are a piece at the finest level only.
+    let takes = with_a_short_one(20);
+    let soft = |frame| Key::Soft { place: Place::Time(5.0), pose: Pose::Frame(frame), weight: 0.5 };
+    let keyed = run(&takes, vec![hard(2.0, 310), soft(312)]).unwrap();
+    assert!(!says(&keyed));
+    let row = &keyed.report.keys[0];
+    assert!(row.rotation_error.unwrap() < 1e-5 && row.position_error.unwrap() < 1e-4, "{row:?}");
+    assert!(keyed.report.jump_q999_ratio < 2.5, "{:?}", keyed.report);
+}
+
+#[test]
+fn the_ends_of_a_loop_are_one_moment() {
+    let clip = sample("person");
+    let options = CurveOptions { goes_on: true, samples: Some(120), ..CurveOptions::default() };
+    let circle: Vec<[f64; 2]> =
+        (0..=120).map(|i| (f64::from(i) / 120.0 * std::f64::consts::TAU).sin_cos().into()).collect();
+    let mut ring = Control::from_curve(&Curve::new(circle).unwrap(), &options).unwrap();
+    ring.cyclic = true;
+    let said = says(&clip, &ring, vec![hard(0.0, 60), hard(4.0, 500)]);
+    assert!(said.contains("frame 60 and frame 500"), "{said}");
+    let met = run(&clip, &ring, vec![hard(4.0, 500)]).unwrap();
+    let turned = (met.clip.rotations(0).iter().zip(clip.rotations(500)).skip(1))
+        .map(|(a, b)| a.angle_between(*b))
+        .fold(0.0, f32::max);
+    assert!(turned < 1e-3, "{turned}");
+    // Poses that cannot follow each other, on both sides of the seam.
+    let torn = run(&clip, &ring, vec![hard(0.0, 60), hard(119.0 / 30.0, 500)]).unwrap();
+    let jump = torn.report.keys[0].jump.unwrap();
+    assert!(jump > 2.0, "{jump}");
+    let seam = torn.report.loop_seam_ratio.unwrap();
+    assert!(seam > 1.5 && torn.report.notes.iter().any(|note| note.contains("seen to end")), "{seam}");
+    let whole = run(&clip, &ring, Vec::new()).unwrap();
+    let seam = whole.report.loop_seam_ratio.unwrap();
+    println!("seam of a circle {seam:.2}");
+    assert!((0.3..=1.5).contains(&seam), "{seam}");
 }

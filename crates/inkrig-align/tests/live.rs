@@ -2,34 +2,16 @@
 //! on a real dance.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and prints its figures")]
 
+mod support;
+
 use inkrig_align::{
     AlignError, Comparison, Control, CurveOptions, Key, LiveAlignment, LiveAnswer, LiveEvent, Options,
     Quality, StreamAlignment, StreamOptions, align,
 };
-use inkrig_formats::{ImportOptions, read_bvh};
 use inkrig_motion::{Clip, Takes, kinematics, time};
 use inkrig_sketch::{Curve, Timing};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
-
-fn sample(name: &str) -> Clip {
-    read_bvh(inkrig_samples::find(name).unwrap().bytes, &ImportOptions::default()).unwrap().clip
-}
-
-/// A motion of the reference folder; `None`, said in one line, where that is not there.
-fn reference(path: &str) -> Option<Clip> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let folder = std::env::var_os("INKRIG_REFERENCE").map_or_else(|| PathBuf::from(beside), PathBuf::from);
-    let file = folder.join("data").join(path);
-    match std::fs::read(&file) {
-        Ok(bytes) => Some(read_bvh(&bytes, &ImportOptions::default()).unwrap().clip),
-        Err(error) => {
-            assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "{}: {error}", file.display());
-            println!("skipped: no reference motion at {}", file.display());
-            None
-        }
-    }
-}
+use support::{reference, sample};
 
 /// Five circles that grow, as a hand draws them; from `bent` of its length on, a tenth is drawn elsewhere.
 fn drawn(frames: usize, bent: Option<f64>) -> Vec<[f64; 2]> {
@@ -302,6 +284,33 @@ fn a_long_stream_keeps_to_its_window() {
     assert_eq!(given, 1800 - options.look_ahead);
     let held = stream.window_samples();
     assert!(held <= options.window + options.hop, "{held} samples are held");
+}
+
+#[test]
+fn a_stream_may_rest_for_minutes_before_it_begins() {
+    let clip = sample("snake");
+    let options = StreamOptions { window: 60, warm_up: 40, rounds: 1, ..StreamOptions::default() };
+    let mut stream = StreamAlignment::new(&clip.into(), &options).unwrap();
+    let (mut given, mut pieces) = (0, Vec::new());
+    let mut take = |stream: &mut StreamAlignment, samples: &[f32]| {
+        let piece = stream.append(samples, 1).unwrap();
+        given += piece.weights.len();
+        assert_eq!(given, piece.samples_given);
+        assert!(stream.window_samples() <= options.window + options.hop, "{}", stream.window_samples());
+        pieces.extend(piece.clip);
+    };
+    for _ in 0..100 {
+        take(&mut stream, &[0.5; 100]);
+    }
+    let moves: Vec<f32> = (0..240).map(|i| 0.5 + (i as f32 * 0.12).sin()).collect();
+    take(&mut stream, &moves);
+    let last = stream.finish().unwrap();
+    assert_eq!(last.samples_given, 10_240, "every sample has its motion");
+    pieces.extend(last.clip);
+    let (within, across) = fastest(&pieces);
+    let original = fastest(&[sample("snake")]).0;
+    println!("fastest {original:.2} in the clip, {within:.2} in pieces, {across:.2} at borders");
+    assert!(across < 1.5 * original && within < 2.0 * original);
 }
 
 #[test]

@@ -79,6 +79,17 @@ fn long_inputs_are_followed_in_little_memory() {
     }
 }
 
+/// The tables of a side with itself are bounded by that side alone, however short the other is.
+#[test]
+fn a_long_control_on_a_short_clip_takes_little_memory() {
+    // Fewer than 4 million pairs, but 100 million distances within the control.
+    let result = run(&takes(350), &circles(10_000), &Options::default());
+    let report = &result.report;
+    assert_eq!((result.clip.frames(), report.solver.name), (10_000, "sparse"));
+    assert!(report.structure_pearson >= report.structure_pearson_warp + 0.2, "{report:?}");
+    assert!(report.mirror_symmetry > 0.0);
+}
+
 #[test]
 fn every_solver_comes_to_about_the_same() {
     let (source, control) = (takes(700), circles(600));

@@ -128,7 +128,16 @@ pub fn resample_loop(clip: &Clip, frame_rate: f64) -> Result<Clip, MotionError> 
     // The round stays whole: its frames are evenly apart however the rates divide.
     let step = clip.frames() as f64 / frames;
     let places: Vec<f64> = (0..frames as usize).map(|frame| frame as f64 * step).collect();
-    time::sample_at(&continued(clip)?, &places, frame_rate)
+    sample_loop(clip, &places, frame_rate)
+}
+
+/// The poses of a loop at given places, in frames: as [`time::sample_at`], but from the last frame on to the first, which
+/// has the place `clip.frames()` too.
+///
+/// # Errors
+/// As for [`time::sample_at`].
+pub fn sample_loop(clip: &Clip, places: &[f64], frame_rate: f64) -> Result<Clip, MotionError> {
+    time::sample_at(&continued(clip)?, places, frame_rate)
 }
 
 /// 1 at 0, 0 from `window` on, smooth.

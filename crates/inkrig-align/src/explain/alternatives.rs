@@ -3,8 +3,7 @@
 use super::first_plans::{FirstPlans, mean_distance};
 use crate::alignment::{align_with, without_lead_ins};
 use crate::coarse_to_fine::Buffers;
-use crate::pyramid::close_loop;
-use crate::reconstruct::frames_per_sample;
+use crate::quality::result_frames;
 use crate::{AlignError, Alignment, Control, Layout, Moments, Observer, Options};
 use inkrig_motion::{Clip, FeatureLayout, Takes, time};
 use inkrig_transport::Mat;
@@ -77,6 +76,8 @@ struct Ruler {
     features: FeatureLayout,
     rows: Layout,
     rate: f64,
+    /// What features are counted from: zeros, since only differences are looked at.
+    origin: Vec<f32>,
     /// 1 over the mean distance of the clip's moments.
     scale: f64,
 }
@@ -87,23 +88,20 @@ impl Ruler {
         let matched = own.decimate(options.matching_rate)?;
         let frames = control.frames(options.matching_rate);
         let patch = options.patch();
+        let features = FeatureLayout::of(&matched, &options.features);
+        let width = features.features(&time::trim(matched.clip(), 0..1)?.into()).width();
         Ok(Self {
-            features: FeatureLayout::of(&matched, &options.features),
+            features,
             rows: if control.cyclic { Layout::cyclic(frames, patch) } else { Layout::open(frames, patch) },
             rate: options.matching_rate,
+            origin: vec![0.0; width],
             scale: Moments::of(source, options)?.scale(),
         })
     }
 
     /// The features of a result, one frame a control sample.
     fn motion(&self, clip: &Clip) -> Result<Mat<f32>, AlignError> {
-        let step = frames_per_sample(clip.frame_rate(), self.rate);
-        let places: Vec<f64> = (0..self.rows.frames()).map(|sample| sample as f64 * step).collect();
-        let features = self.features.features(&time::sample_at(clip, &places, self.rate)?.into());
-        let mut table =
-            Mat::from_fn(features.frames(), features.width(), |row, column| features.row(row)[column]);
-        close_loop(&self.rows, &mut table);
-        Ok(table)
+        result_frames(clip, &self.features, &self.rows, &self.origin, self.rate)
     }
 
     fn distance(&self, a: &Mat<f32>, b: &Mat<f32>) -> f64 {

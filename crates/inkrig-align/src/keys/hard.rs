@@ -23,20 +23,23 @@ pub(super) struct Hard {
 
 impl Hard {
     /// The row and the column of the plan that are settled at a level: patches that hold the frames at the same place,
-    /// as near to their middles as the ends of control and clip allow.
+    /// as near to their middles as the ends of control and clip allow. `None` at a coarse level where the clip is shorter
+    /// than a patch.
     pub(super) fn patches(
         &self,
         (full_rows, full_columns): (&Layout, &Layout),
         (rows, columns): (&Layout, &Layout),
-    ) -> (usize, usize) {
+    ) -> Option<(usize, usize)> {
         let (at, frame) = (full_rows.frame_in(rows, self.row), full_columns.frame_in(columns, self.matched));
         let (over, under) = (rows.covering(at), columns.covering(frame));
         let pairs = over.iter().flat_map(|&(row, offset)| {
             let same = under.iter().filter(move |(_, place)| *place == offset);
             same.map(move |&(column, _)| (offset.abs_diff(rows.patch() / 2), row, column))
         });
-        let either = || (rows.patch_around(at).unwrap_or(0), columns.patch_around(frame).unwrap_or(0));
-        pairs.min().map_or_else(either, |(_, row, column)| (row, column))
+        match pairs.min() {
+            Some((_, row, column)) => Some((row, column)),
+            None => Some((rows.patch_around(at)?, columns.patch_around(frame)?)),
+        }
     }
 }
 
@@ -92,11 +95,15 @@ mod tests {
         let (rows, columns) = (Layout::open(40, 11), Layout::open(60, 11));
         let hard = |row, matched| Hard { seconds: 0.0, row, out: 0, matched, own: 0, given: 0 };
         let patches = |row, matched| hard(row, matched).patches((&rows, &columns), (&rows, &columns));
-        assert_eq!(patches(20, 30), (15, 25), "both in the middle");
-        assert_eq!(patches(2, 30), (0, 28), "at the control's beginning");
-        assert_eq!(patches(20, 58), (11, 49), "at the clip's end");
-        assert_eq!(patches(0, 59), (0, 49), "nothing in common");
+        assert_eq!(patches(20, 30), Some((15, 25)), "both in the middle");
+        assert_eq!(patches(2, 30), Some((0, 28)), "at the control's beginning");
+        assert_eq!(patches(20, 58), Some((11, 49)), "at the clip's end");
+        assert_eq!(patches(0, 59), Some((0, 49)), "nothing in common");
         let ring = Layout::cyclic(40, 11);
-        assert_eq!(hard(0, 30).patches((&ring, &columns), (&ring, &columns)), (35, 25));
+        assert_eq!(hard(0, 30).patches((&ring, &columns), (&ring, &columns)), Some((35, 25)));
+        // Of two clips the second has no patch at the coarse level.
+        let (full, coarse) = (Layout::clips(&[80, 20], 11), Layout::clips(&[40, 10], 11));
+        assert_eq!(hard(20, 90).patches((&rows, &full), (&rows, &coarse)), None);
+        assert!(hard(20, 90).patches((&rows, &full), (&rows, &full)).is_some_and(|(_, column)| column >= 70));
     }
 }

@@ -71,7 +71,7 @@ impl Keys {
                     }
                 }
                 Resolved::Hard(hard) => {
-                    let (row, mut column) = hard.patches(tables.full, tables.level);
+                    let Some((row, mut column)) = hard.patches(tables.full, tables.level) else { continue };
                     if level.is_closed(column) {
                         if columns == full_columns {
                             let what = format!(

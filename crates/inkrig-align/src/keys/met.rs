@@ -8,6 +8,7 @@ use crate::measures::{Dynamics, pearson};
 use crate::quality::{centred, column_means, result_frames};
 use crate::{AlignError, Layout, Options, sampled};
 use inkrig_motion::glam::{Quat, Vec3};
+use inkrig_motion::ground::continued;
 use inkrig_motion::kinematics::Pose;
 use inkrig_motion::{Clip, FeatureLayout, Features, Takes};
 use inkrig_transport::Mat;
@@ -48,6 +49,8 @@ pub struct KeyRow {
 /// A finished motion and what it was made of.
 pub(crate) struct Finished<'a> {
     result: &'a Clip,
+    /// Of a loop: with its first frame again at its end.
+    ring: Option<Clip>,
     source: &'a Clip,
     travel_joint: usize,
     control: &'a Mat<f32>,
@@ -85,16 +88,17 @@ impl Keys {
         let travel_joint = layout.travel_joint();
         let finished = Finished {
             result,
+            ring: if rows.is_cyclic() && result.frames() > 1 { Some(continued(result)?) } else { None },
             source: source.clip(),
             travel_joint,
             control,
             rows,
             columns,
-            own: result_frames(result, layout, rows, &mean, options)?,
+            own: result_frames(result, layout, rows, &mean, options.matching_rate)?,
             frames,
             mean,
             scale: (1.0 / unit) as f32,
-            fastest: Dynamics::of(source.clip(), travel_joint).speed_q999,
+            fastest: Dynamics::of_takes(source, travel_joint).speed_q999,
             matching_rate: options.matching_rate,
         };
         Ok(self.list.iter().map(|key| finished.row(key)).collect())
@@ -166,31 +170,13 @@ impl Finished<'_> {
 
     fn hard(&self, hard: &Hard) -> KeyRow {
         let (result, source) = (self.result, self.source);
-        let seen = |clip: &Clip, frame: usize| {
-            let mut pose = Pose::new(clip.skeleton());
-            pose.set(clip, frame);
-            pose
-        };
-        let (got, wanted) = (seen(result, hard.out), seen(source, hard.own));
-        let root = self.travel_joint;
-        // What turns the whole figure as it stands is heading, and no error.
-        let turn = got.rotations[root] * wanted.rotations[root].inverse();
-        let relative = |pose: &Pose, joint: usize| pose.positions[joint] - pose.positions[root];
-        let distance =
-            |joint: usize| f64::from(relative(&got, joint).distance(turn * relative(&wanted, joint)));
-        let joints = result.skeleton().len();
-        let above = result.skeleton().ancestors(root);
-        let own = |joint: &usize| {
-            *joint != root && !above[*joint] && result.skeleton().joints()[*joint].parent.is_some()
-        };
-        let pairs = result.rotations(hard.out).iter().zip(source.rotations(hard.own));
-        let turned = pairs.enumerate().filter(|(joint, _)| own(joint)).map(|(_, (a, b))| angle(*a, *b));
+        let (turned, apart) = pose_errors((result, hard.out), (source, hard.own), self.travel_joint);
         KeyRow {
             kind: "hard",
             pose: format!("frame {}", hard.given),
             seconds: hard.out as f64 / result.frame_rate(),
-            rotation_error: Some(turned.fold(tilt(turn), f64::max)),
-            position_error: Some((0..joints).filter(own).map(distance).fold(0.0, f64::max)),
+            rotation_error: Some(turned),
+            position_error: Some(apart),
             jump: Some(self.jump(hard.out)),
             ..KeyRow::default()
         }
@@ -198,7 +184,14 @@ impl Finished<'_> {
 
     /// The fastest joint in the two steps before and after the border in front of a frame, over the source's fastest.
     fn jump(&self, frame: usize) -> f64 {
-        let clip = self.result;
+        let clip = self.ring.as_ref().unwrap_or(self.result);
+        let around = self.steps(clip, frame);
+        // In a loop the beginning comes after the end.
+        let frames = self.result.frames();
+        if self.ring.is_some() && frame < 2 { around.max(self.steps(clip, frame + frames)) } else { around }
+    }
+
+    fn steps(&self, clip: &Clip, frame: usize) -> f64 {
         let mut pose = Pose::new(clip.skeleton());
         let mut before: Option<Vec<Vec3>> = None;
         let mut fastest = 0.0_f64;
@@ -213,6 +206,38 @@ impl Finished<'_> {
         let speed = fastest * clip.frame_rate();
         if self.fastest > 0.0 { speed / self.fastest } else { 0.0 }
     }
+}
+
+/// How far a pose of one clip is from one of another of the same skeleton, wherever it stands and is headed: the largest
+/// turn by which a joint differs, radians, and the farthest that a joint is from where it is there, relative to the
+/// travelling joint, metres.
+///
+/// # Panics
+/// When a frame is not there.
+pub fn pose_errors(
+    (result, at): (&Clip, usize),
+    (source, frame): (&Clip, usize),
+    travel_joint: usize,
+) -> (f64, f64) {
+    let seen = |clip: &Clip, frame: usize| {
+        let mut pose = Pose::new(clip.skeleton());
+        pose.set(clip, frame);
+        pose
+    };
+    let (got, wanted) = (seen(result, at), seen(source, frame));
+    let root = travel_joint;
+    // What turns the whole figure as it stands is heading, and no error.
+    let turn = got.rotations[root] * wanted.rotations[root].inverse();
+    let relative = |pose: &Pose, joint: usize| pose.positions[joint] - pose.positions[root];
+    let distance = |joint: usize| f64::from(relative(&got, joint).distance(turn * relative(&wanted, joint)));
+    let joints = result.skeleton().len();
+    let above = result.skeleton().ancestors(root);
+    let own = |joint: &usize| {
+        *joint != root && !above[*joint] && result.skeleton().joints()[*joint].parent.is_some()
+    };
+    let pairs = result.rotations(at).iter().zip(source.rotations(frame));
+    let turned = pairs.enumerate().filter(|(joint, _)| own(joint)).map(|(_, (a, b))| angle(*a, *b));
+    (turned.fold(tilt(turn), f64::max), (0..joints).filter(own).map(distance).fold(0.0, f64::max))
 }
 
 fn least(values: &[f32]) -> usize {

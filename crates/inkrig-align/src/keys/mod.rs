@@ -9,7 +9,7 @@ mod resolve;
 mod sparse;
 
 pub(crate) use level::{LevelKeys, LevelTables};
-pub use met::KeyRow;
+pub use met::{KeyRow, pose_errors};
 pub use resolve::Keys;
 pub(crate) use resolve::{Context, Timing};
 pub(crate) use sparse::Moved;

@@ -86,16 +86,12 @@ impl Moment {
     /// The patch about it at a level.
     pub(super) fn patch(&self, full: &Layout, level: &Layout, table: MatRef<'_, f32>) -> KeyPatch {
         match self {
-            Self::Own(frame) => KeyPatch::of(table, level, self.column(full, level, *frame)),
+            Self::Own(frame) => KeyPatch::around(table, level, full.frame_in(level, *frame)),
             Self::Other(passage) => {
                 let step = full.frames() as f64 / level.frames().max(1) as f64;
                 passage.patch(level.patch(), step)
             }
         }
-    }
-
-    fn column(&self, full: &Layout, level: &Layout, frame: usize) -> usize {
-        level.patch_around(full.frame_in(level, frame)).unwrap_or(0)
     }
 }
 
@@ -107,6 +103,20 @@ impl KeyPatch {
             .find(|run| (run.patch..run.patch + run.count).contains(&patch))
             .map_or(0, |run| run.frame + patch - run.patch);
         let frames = Mat::from_fn(layout.patch(), table.cols(), |row, column| table.row(start + row)[column]);
+        Self { frames, off_squared: 0.0 }
+    }
+
+    /// The patch about a frame. Where its clip is shorter than a patch, its first and last frames stay.
+    fn around(table: MatRef<'_, f32>, layout: &Layout, frame: usize) -> Self {
+        if let Some(patch) = layout.patch_around(frame) {
+            return Self::of(table, layout, patch);
+        }
+        let last = table.rows().saturating_sub(1);
+        let part = layout.part_of(frame).unwrap_or(0..last + 1);
+        let frames = Mat::from_fn(layout.patch(), table.cols(), |row, column| {
+            let place = (frame + row).saturating_sub(layout.patch() / 2);
+            table.row(place.clamp(part.start, part.end.max(part.start + 1) - 1).min(last))[column]
+        });
         Self { frames, off_squared: 0.0 }
     }
 

@@ -85,13 +85,15 @@ impl Keys {
                 Key::Hard { seconds, frame } => {
                     let row = context.row_at(*seconds)?;
                     let step = context.step();
-                    let last = (context.rows.frames() as f64 * step).round().max(1.0) as usize - 1;
-                    let at = seconds * context.options.matching_rate * step;
+                    let frames = (context.rows.frames() as f64 * step).round().max(1.0) as usize;
+                    let at = (seconds * context.options.matching_rate * step).round() as usize;
+                    // The end of a loop is its beginning.
+                    let out = if context.rows.is_cyclic() { at % frames } else { at.min(frames - 1) };
                     Resolved::Hard(Hard {
                         seconds: *seconds,
                         row,
-                        out: (at.round() as usize).min(last),
-                        matched: context.timing.matched_frame(*frame, step)?,
+                        out,
+                        matched: context.matched_frame(*frame)?,
                         own: context.timing.own_frame(*frame)?,
                         given: *frame,
                     })
@@ -171,7 +173,8 @@ impl Context<'_> {
                 format!("{seconds} s is outside of the control's {length:.2} s: give a time within it");
             return Err(AlignError::Key { what });
         }
-        Ok(((seconds * rate).round() as usize).min(self.rows.frames() - 1))
+        let (row, rows) = ((seconds * rate).round() as usize, self.rows.frames());
+        Ok(if self.rows.is_cyclic() { row % rows } else { row.min(rows - 1) })
     }
 
     fn place(&self, place: &Place) -> Result<SoftPlace, AlignError> {
@@ -190,9 +193,29 @@ impl Context<'_> {
         })
     }
 
+    /// The matched frame of a frame of the source as it was given; one whose clip has a patch.
+    fn matched_frame(&self, frame: usize) -> Result<usize, AlignError> {
+        let matched = self.timing.matched_frame(frame, self.step())?;
+        let takes = self.timing.matched;
+        let patch = self.options.patch();
+        match takes.ranges().enumerate().find(|(_, range)| range.contains(&matched)) {
+            Some((clip, range)) if range.len() < patch => {
+                let what = format!(
+                    "frame {frame} is of clip {}, which is not used: with {} frames at {} a second it is shorter than a \
+                     piece of {patch}; give a longer clip, or a smaller --patch",
+                    clip + 1,
+                    range.len(),
+                    takes.clip().frame_rate()
+                );
+                Err(AlignError::Key { what })
+            }
+            _ => Ok(matched),
+        }
+    }
+
     fn moment(&self, pose: &Pose) -> Result<Moment, AlignError> {
         Ok(match pose {
-            Pose::Frame(frame) => Moment::Own(self.timing.matched_frame(*frame, self.step())?),
+            Pose::Frame(frame) => Moment::Own(self.matched_frame(*frame)?),
             Pose::Of { name, clip, frame } => Moment::Other(Passage::new(name, clip, *frame, self.seen())?),
         })
     }

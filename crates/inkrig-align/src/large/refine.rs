@@ -59,7 +59,10 @@ pub(crate) fn refine(
 fn coarse_patches(fine: &Layout, coarse: &Layout) -> Vec<usize> {
     let middle = |first: &usize| (first + fine.patch() / 2) % fine.frames();
     let first = fine.first_frames();
-    first.iter().map(|first| coarse.patch_around(fine.frame_in(coarse, middle(first))).unwrap_or(0)).collect()
+    first
+        .iter()
+        .map(|first| coarse.nearest_patch(fine.frame_in(coarse, middle(first))).unwrap_or(0))
+        .collect()
 }
 
 fn best(plan: &Plan<f32>, row: usize, most: usize) -> Vec<(usize, f32)> {

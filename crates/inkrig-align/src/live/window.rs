@@ -16,6 +16,9 @@ use std::ops::ControlFlow;
 /// not make its tremble a dance.
 const KEEP: f64 = 0.995;
 
+/// The frame of the source in which the body waits for a control that has not moved yet.
+const WAITING: usize = 0;
+
 /// The last samples, and what was made of them.
 #[derive(Debug)]
 pub(super) struct Window {
@@ -80,8 +83,8 @@ impl Window {
         }
         if !begun {
             match self.begin(width, source, options) {
-                // Nothing has moved yet: wait. What is older than the window will not matter.
-                Err(AlignError::StillControl) if !end => return self.rest(width, options),
+                // Nothing has moved yet: what is older than the window will not matter.
+                Err(AlignError::StillControl) if !end => return Ok(self.rest(width, options)),
                 other => other?,
             }
         } else if !samples.is_empty() {
@@ -95,14 +98,15 @@ impl Window {
         Ok(rows)
     }
 
-    /// Forgets nothing of what was not given out, but takes no more than a window of it.
-    fn rest(&mut self, width: usize, options: &StreamOptions) -> Result<Vec<SparseRow>, AlignError> {
+    /// Holds no more than a window of a control that has not moved yet. For what is older the body waits in the clip's
+    /// first pose.
+    fn rest(&mut self, width: usize, options: &StreamOptions) -> Vec<SparseRow> {
         let count = self.samples.len() / width;
-        if count > crate::MOST_TABLE_FRAMES {
-            return Err(AlignError::StillControl);
-        }
-        debug_assert!(count >= options.warm_up);
-        Ok(Vec::new())
+        let old = count.saturating_sub(options.window.max(options.warm_up));
+        self.samples.drain(..old * width);
+        self.first += old;
+        self.given = self.first;
+        vec![vec![(WAITING, 1.0)]; old]
     }
 
     /// The first solve, coarse to fine.
@@ -121,6 +125,16 @@ impl Window {
         self.size = control.levels().last().map_or(0.0, |level| 1.0 / f64::from(level.scale));
         self.plan = matching.plan.into_mat();
         self.foreseen = (0..frames).map(|frame| matching.weights.full_row(frame)).collect();
+        if self.first > 0 {
+            // From the pose of waiting into the motion.
+            for (frame, weights) in self.foreseen.iter_mut().enumerate() {
+                let share = rising(frame, 2 * options.look_ahead);
+                weights.iter_mut().for_each(|weight| *weight *= share);
+                if let Some(weight) = weights.get_mut(WAITING) {
+                    *weight += 1.0 - share;
+                }
+            }
+        }
         Ok(())
     }
 
@@ -221,12 +235,17 @@ impl Window {
                 self.foreseen.push(new.to_vec());
                 continue;
             }
-            let place = (frame - given + 1) as f32 / (options.look_ahead + 1) as f32;
-            let share = place.min(1.0).powi(2) * (3.0 - 2.0 * place.min(1.0));
+            let share = rising(frame - given, options.look_ahead);
             let old = self.foreseen[frame].iter_mut();
             old.zip(new).for_each(|(old, &new)| *old += share * (new - *old));
         }
     }
+}
+
+/// From none to all over the look-ahead, smooth.
+fn rising(frame: usize, look_ahead: usize) -> f32 {
+    let place = ((frame + 1) as f32 / (look_ahead + 1) as f32).min(1.0);
+    place.powi(2) * (3.0 - 2.0 * place)
 }
 
 /// The window as one level; what counts as one is the largest mean of late.

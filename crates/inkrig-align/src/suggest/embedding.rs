@@ -46,8 +46,9 @@ pub(super) fn stress(points: &[[f64; 2]], distances: &Mat<f32>) -> f64 {
 }
 
 /// Coordinates along the `count` directions in which the points differ most, from their doubly centred squared distances
-/// (Torgerson): one vector of n a direction, widest first; zeros where there are no more.
-pub(crate) fn principal_axes(distances: &Mat<f32>, count: usize, rounds: usize) -> Vec<Vec<f64>> {
+/// (Torgerson): one vector of n a direction, widest first; zeros where there are no more. `distances` is n x n, symmetric;
+/// `rounds` of power iteration.
+pub fn principal_axes(distances: &Mat<f32>, count: usize, rounds: usize) -> Vec<Vec<f64>> {
     let n = distances.rows();
     let squared = |i: usize, j: usize| f64::from(distances.row(i)[j]).powi(2);
     let means: Vec<f64> = (0..n).map(|i| (0..n).map(|j| squared(i, j)).sum::<f64>() / n as f64).collect();
@@ -154,6 +155,23 @@ mod tests {
         assert!(widest[0] > widest[1]);
         let one = place_one(&placed[1..], &distances.row(0)[1..], placed[1]);
         assert!(apart(one, placed[0]) < 1e-3, "{one:?} {:?}", placed[0]);
+    }
+
+    #[test]
+    fn a_flat_cloud_is_found_again_along_its_axes() {
+        let place = |i: usize| [3.0 * (i as f64 * 0.7).sin(), (i as f64 * 1.3).cos()];
+        let points: Vec<[f64; 2]> = (0..60).map(place).collect();
+        let distances = table(&points);
+        let axes = principal_axes(&distances, 3, 40);
+        let spread: Vec<f64> = axes.iter().map(|axis| dot(axis, axis)).collect();
+        let total: f64 = spread.iter().sum();
+        assert!(spread[0] > 0.8 * total && spread[2] < 1e-4 * total, "{spread:?}");
+        for i in 0..60 {
+            for j in 0..60 {
+                let square: f64 = axes.iter().map(|axis| (axis[i] - axis[j]).powi(2)).sum();
+                assert!((square.sqrt() - f64::from(distances.row(i)[j])).abs() < 1e-3);
+            }
+        }
     }
 
     #[test]

@@ -10,7 +10,7 @@ mod moments;
 mod on_map;
 
 pub use candidates::{Candidate, candidates};
-pub(crate) use embedding::principal_axes;
+pub use embedding::principal_axes;
 pub use map::{MapFrame, MotionMap};
 pub(crate) use moments::places;
 pub use moments::{Moment, Moments};

@@ -79,7 +79,7 @@ impl Moments {
 
     /// The patch that a frame at the matching rate is in the middle of, or nearest to the middle.
     pub fn patch_around(&self, frame: usize) -> usize {
-        self.layout.patch_around(frame).unwrap_or(0)
+        self.layout.nearest_patch(frame).unwrap_or(0)
     }
 
     /// The pose in the middle of a patch; that of the last one when there is no such patch.

@@ -2,19 +2,32 @@
 #![allow(dead_code, reason = "every suite takes what it needs")]
 
 use inkrig_align::{Alignment, Control, ControlKind, Options, Preset, Report, align};
-use inkrig_formats::{ImportOptions, read_bvh};
+use inkrig_formats::{ImportOptions, read_amc, read_bvh};
 use inkrig_motion::{Clip, time};
 use inkrig_sound::Sound;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A clip of this project.
 pub(crate) fn sample(name: &str) -> Clip {
     read_bvh(inkrig_samples::find(name).unwrap().bytes, &ImportOptions::default()).unwrap().clip
 }
 
+/// A motion of the reference folder; `None`, said in one line, where that is not there.
+pub(crate) fn reference(path: &str) -> Option<Clip> {
+    let bytes = bytes(path)?;
+    if !path.ends_with(".amc") {
+        return Some(read_bvh(&bytes, &ImportOptions::default()).unwrap().clip);
+    }
+    // Its skeleton is named by the folder: 05/05.asf.
+    let folder = Path::new(path).parent().unwrap();
+    let skeleton = folder.join(folder.file_name().unwrap()).with_extension("asf");
+    let options = ImportOptions { skeleton: self::bytes(skeleton.to_str().unwrap()), ..Default::default() };
+    Some(read_amc(&bytes, &options).unwrap().clip)
+}
+
 /// A file of the reference data; `None`, said in one line, where the folder is not there.
-fn reference(path: &str) -> Option<Vec<u8>> {
+fn bytes(path: &str) -> Option<Vec<u8>> {
     let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
     let folder = std::env::var_os("INKRIG_REFERENCE").map_or_else(|| PathBuf::from(beside), PathBuf::from);
     let file = folder.join("data").join(path);
@@ -30,14 +43,14 @@ fn reference(path: &str) -> Option<Vec<u8>> {
 
 /// The first seconds of a reference motion.
 pub(crate) fn motion(path: &str, seconds: f64) -> Option<Clip> {
-    let clip = read_bvh(&reference(path)?, &ImportOptions::default()).unwrap().clip;
+    let clip = reference(path)?;
     let frames = (seconds * clip.frame_rate()).round() as usize;
     Some(time::trim(&clip, 0..clip.frames().min(frames)).unwrap())
 }
 
 /// A reference sound.
 pub(crate) fn sound(path: &str) -> Option<Sound> {
-    Some(inkrig_sound::decode(&reference(path)?, path.rsplit('.').next().unwrap()).unwrap().sound)
+    Some(inkrig_sound::decode(&bytes(path)?, path.rsplit('.').next().unwrap()).unwrap().sound)
 }
 
 /// A control by the preset of its kind, its figures printed.
