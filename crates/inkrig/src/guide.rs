@@ -6,6 +6,7 @@ use inkrig_align::{
 };
 use inkrig_motion::Takes;
 use serde::Serialize;
+use std::path::PathBuf;
 
 /// How many poses are suggested where nothing was said.
 pub(crate) const CANDIDATES: usize = 8;
@@ -17,9 +18,34 @@ pub(crate) struct Suggestions {
     pub(crate) map: MotionMap,
 }
 
+/// Where what is arranged begins in its files.
+#[derive(Debug, Clone)]
+pub(crate) struct Origin {
+    /// The number of the first frame, as `--key` counts it: of a single clip in its file, of several through what is
+    /// left of all of them.
+    pub(crate) first_frame: usize,
+    /// Seconds of every file before what is used of it.
+    starts: Vec<f64>,
+}
+
+impl Origin {
+    /// `parts` has path, frames a second and first frame that is used of every clip.
+    pub(crate) fn of(parts: &[(PathBuf, f64, usize)]) -> Self {
+        let first_frame = if let [(_, _, start)] = parts { *start } else { 0 };
+        Self { first_frame, starts: parts.iter().map(|(_, rate, start)| *start as f64 / rate).collect() }
+    }
+
+    /// Seconds of the file of a moment.
+    fn seconds(&self, moment: Moment) -> f64 {
+        moment.seconds + self.starts.get(moment.take).copied().unwrap_or(0.0)
+    }
+}
+
 impl Suggestions {
-    pub(crate) fn of(source: &Takes, options: &Options, count: usize) -> Result<Self, AlignError> {
-        let moments = Moments::of(source, options)?;
+    /// Of a source. The map and what is on it are the same whatever else is asked for, so that a drawing over it means
+    /// the same moments: features and patches are the default ones.
+    pub(crate) fn of(source: &Takes, threads: usize, count: usize) -> Result<Self, AlignError> {
+        let moments = Moments::of(source, &Options { threads, ..Options::default() })?;
         Ok(Self { candidates: candidates(&moments, count)?, map: MotionMap::of(&moments)? })
     }
 
@@ -28,15 +54,15 @@ impl Suggestions {
         self.map.place_of(candidate.moment.frame).unwrap_or_default()
     }
 
-    /// The candidates as data; frames are counted from `first_frame`.
-    pub(crate) fn facts(&self, first_frame: usize) -> Vec<CandidateFacts> {
+    /// The candidates as data.
+    pub(crate) fn facts(&self, origin: &Origin) -> Vec<CandidateFacts> {
         let facts = |candidate: &Candidate| {
             let [x, y] = self.place(candidate);
-            let Moment { frame, take, seconds } = candidate.moment;
+            let Moment { frame, take, .. } = candidate.moment;
             CandidateFacts {
-                frame: frame + first_frame,
+                frame: frame + origin.first_frame,
                 clip: take,
-                seconds: round(seconds, 4),
+                seconds: round(origin.seconds(candidate.moment), 4),
                 share: round(candidate.share, 4),
                 radius: round(candidate.radius, 4),
                 x: round(x, 4),
@@ -54,7 +80,7 @@ pub(crate) struct CandidateFacts {
     pub(crate) frame: usize,
     /// Clip, from 0 in the order given.
     pub(crate) clip: usize,
-    /// Seconds since the beginning of that clip (or of its `--range`).
+    /// Seconds of that clip's file.
     pub(crate) seconds: f64,
     /// Share of the source that it stands for, 0..=1.
     pub(crate) share: f64,

@@ -9,7 +9,7 @@ use inkrig_formats::{
     ClipChoice, Finding, Format, Import, ImportOptions, Severity, UpAxis, companion_beside, read_in_folder,
     read_motion,
 };
-use inkrig_sketch::{Curve, read_curve};
+use inkrig_sketch::{Curve, Drawing, read_curve, read_drawing};
 use inkrig_sound::Sound;
 use std::fs::File;
 use std::io::Read;
@@ -80,14 +80,30 @@ pub fn curve(path: &Path) -> Result<Curve, CliError> {
         .map_err(|error| CliError::Curve { path: path.to_path_buf(), cause: Box::new(error) })
 }
 
-/// Reads a sound.
+/// Reads a drawing, in the plane or of more dimensions, and says what had to be guessed.
+///
+/// # Errors
+/// As for [`curve`].
+pub fn drawn(path: &Path) -> Result<(Drawing, Option<String>), CliError> {
+    let known = "known drawings: .json, .csv, .svg";
+    let format = inkrig_sketch::Format::from_path(path)
+        .ok_or_else(|| CliError::Kind { path: path.to_path_buf(), known })?;
+    let (drawing, note) = read_drawing(&drawing(path)?, format)
+        .map_err(|error| CliError::Curve { path: path.to_path_buf(), cause: Box::new(error) })?;
+    Ok((drawing, note.map(|note| format!("{}: {note}", printable::path(path)))))
+}
+
+/// Reads a sound, and says what was odd in it, one line each.
 ///
 /// # Errors
 /// When it is not there, too large or not understood.
-pub fn sound(path: &Path) -> Result<Sound, CliError> {
+pub fn sound(path: &Path) -> Result<(Sound, Vec<String>), CliError> {
     let bytes = bytes(path, inkrig_sound::MAX_BYTES)?;
-    let decoded = inkrig_sound::decode(&bytes, &extension(path).unwrap_or_default());
-    Ok(decoded.map_err(|error| CliError::Sound { path: path.to_path_buf(), cause: Box::new(error) })?.sound)
+    let decoded = inkrig_sound::decode(&bytes, &extension(path).unwrap_or_default())
+        .map_err(|error| CliError::Sound { path: path.to_path_buf(), cause: Box::new(error) })?;
+    let findings = decoded.findings.iter();
+    let odd = findings.map(|finding| format!("{}: {}", printable::path(path), printable::text(finding)));
+    Ok((decoded.sound, odd.collect()))
 }
 
 /// The bytes of a drawing, a wave, labels or keys.

@@ -19,6 +19,23 @@ pub fn all_differ<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Result<(), C
     Ok(())
 }
 
+/// Refuses results of one name, and results that are inputs. An input may be read for several things.
+///
+/// # Errors
+/// [`CliError::SameFile`] with the name of the result.
+pub fn results_differ<'a>(
+    inputs: impl IntoIterator<Item = &'a Path>,
+    results: impl IntoIterator<Item = &'a Path>,
+) -> Result<(), CliError> {
+    let mut seen: BTreeSet<Identity> = inputs.into_iter().map(Identity::of).collect();
+    for path in results {
+        if !seen.insert(Identity::of(path)) {
+            return Err(CliError::SameFile(path.to_path_buf()));
+        }
+    }
+    Ok(())
+}
+
 /// What tells one file from another.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Identity {
@@ -64,6 +81,9 @@ mod tests {
             let [one, two] = names.map(at);
             all_differ([one.as_path(), two.as_path()]).is_ok()
         };
+        let named = at("new");
+        assert!(results_differ([named.as_path(), named.as_path()], [at("other").as_path()]).is_ok());
+        assert!(results_differ([named.as_path()], [at("./new").as_path()]).is_err());
         assert!(differ(["new", "other"]) && differ(["new", "sub/new"]) && differ(["old", "new"]));
         assert!(
             !differ(["new", "./new"]) && !differ(["new", "sub/../new"]) && !differ(["old", "sub/../old"])

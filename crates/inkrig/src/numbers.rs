@@ -61,12 +61,12 @@ pub(crate) fn unit(text: &str) -> Result<f64, String> {
     within(text, 1e-6..=1e6, "metres (0.01 for centimetres)")
 }
 
-/// The longest result, seconds.
-const MOST_SECONDS: f64 = 3600.0;
-/// The same in frames of 30 a second.
-const MOST_FRAMES: usize = 108_000;
+/// The longest result, in frames of 30 a second: what can be matched.
+const MOST_FRAMES: usize = inkrig_align::MOST_FRAMES;
+/// The same in seconds.
+const MOST_SECONDS: f64 = MOST_FRAMES as f64 / 30.0;
 
-/// Length of a result: more than nothing, at most an hour.
+/// Length of a result: more than nothing, at most what can be matched.
 pub(crate) fn length(text: &str) -> Result<Length, String> {
     let length: Length = text.parse().map_err(|error: crate::span::SpanError| error.to_string())?;
     let good = match length {
@@ -77,7 +77,8 @@ pub(crate) fn length(text: &str) -> Result<Length, String> {
         Ok(length)
     } else {
         Err(format!(
-            "a result can be as long as an hour: give 1 to {MOST_FRAMES} frames, or more than 0s and at most {MOST_SECONDS}s"
+            "a result has at most {MOST_FRAMES} frames of 30 a second: give 1 to {MOST_FRAMES}, or more than 0s and at most \
+             {MOST_SECONDS:.0}s"
         ))
     }
 }
@@ -105,9 +106,10 @@ mod tests {
         assert!(source_fps("0.001").unwrap_err().contains("from 0.01 to 100000"));
         assert!(smooth("-1").unwrap_err().contains("from 0 to 1000"));
         assert!(threads("0").is_err() && threads("-1").is_err() && unit("0").is_err());
-        assert_eq!(length("3600s"), Ok(Length::Seconds(3600.0)));
-        for bad in ["0", "0s", "3601s", "108001"] {
-            assert!(length(bad).unwrap_err().contains("an hour"), "{bad}");
+        assert_eq!(length("3333s"), Ok(Length::Seconds(3333.0)));
+        for bad in ["0", "0s", "3334s", "100001"] {
+            let said = length(bad).unwrap_err();
+            assert!(said.contains("100000") && said.contains("3333s"), "{bad}: {said}");
         }
         assert!(length("-1").unwrap_err().contains("neither frames"));
     }

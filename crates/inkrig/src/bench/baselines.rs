@@ -1,8 +1,7 @@
 //! Simpler ways to make a motion of a clip's frames. Each gives weights of frames or a plan of patches, which is then
 //! made a clip and measured like align's own result.
 
-use super::axes::principal_axes;
-use inkrig_align::{Layout, measures};
+use inkrig_align::{Layout, measures, principal_axes};
 use inkrig_transport::Mat;
 
 /// Frames of a random piece: two seconds.
@@ -10,6 +9,8 @@ pub(super) const CHUNK: usize = 60;
 
 /// Axes that the nearest patch is looked for along.
 const AXES: usize = 3;
+/// Rounds of power iteration for them; those of clips and drawings settle in far fewer.
+const ROUNDS: usize = 40;
 
 /// The clip from its first to its last frame, stretched evenly: weights of `columns` frames in each of `rows`.
 pub(super) fn time_warp(rows: usize, columns: usize) -> Mat<f32> {
@@ -53,13 +54,15 @@ pub(super) fn random_chunks(rows: usize, columns: &Layout, seed: u64) -> Mat<f32
 /// another order than those of the other: of all 48 ways the one whose structure follows the control best is taken.
 /// That is more help than a user could give it.
 pub(super) fn nearest_patch(control: &Mat<f32>, source: &Mat<f32>, patch: usize) -> Mat<f32> {
-    let ours: Vec<Vec<f64>> = principal_axes(control, AXES)
-        .into_iter()
-        .map(|(axis, share)| centred_ranks(&axis).iter().map(|rank| rank * share.sqrt()).collect())
+    let axes = principal_axes(control, AXES, ROUNDS);
+    let spreads: Vec<f64> = axes.iter().map(|axis| axis.iter().map(|place| place * place).sum()).collect();
+    let total = spreads.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    let ours: Vec<Vec<f64>> = (axes.iter().zip(&spreads))
+        .map(|(axis, spread)| centred_ranks(axis).iter().map(|rank| rank * (spread / total).sqrt()).collect())
         .collect();
     let shares: Vec<f64> = ours.iter().map(|axis| axis.iter().copied().fold(0.0, f64::max) * 2.0).collect();
     let theirs: Vec<Vec<f64>> =
-        principal_axes(source, AXES).into_iter().map(|(axis, _)| centred_ranks(&axis)).collect();
+        principal_axes(source, AXES, ROUNDS).iter().map(|axis| centred_ranks(axis)).collect();
     let mut best = (f64::NEG_INFINITY, Vec::new());
     for order in ORDERS {
         for signs in 0..1 << AXES {

@@ -1,7 +1,6 @@
 //! The benchmark of align: cases that anybody can run, align beside simpler ways to make a motion, quality and time in
 //! one table.
 
-mod axes;
 mod baselines;
 mod case;
 mod clock;

@@ -32,7 +32,8 @@ Examples:
   inkrig align hero.glb --curve pen.csv --key 2s=frame:120 --bake sparse -o new.glb
       few keys with curves for editing; the exact pose is one of them
 
-Curves: JSON ([[x,y],...] or [[x,y,t],...]), CSV (x,y or x,y,t; n rows without t are n frames of 30 a second), SVG (its paths).";
+Curves: JSON ([[x,y],...] or [[x,y,t],...]), CSV (x,y or x,y,t; n rows without t are n frames of 30 a second), SVG (its paths).
+A CSV of more columns is a curve of as many dimensions; a header such as x,y,z or x,y,t says which.";
 
 /// Arguments of `inkrig align`.
 #[derive(Debug, Args)]
@@ -78,7 +79,7 @@ pub struct AlignArgs {
     /// Play clips that are loops so many times: walks and idles of game characters are a second or two
     #[arg(long, value_name = "TIMES", default_value_t = 1, value_parser = numbers::times, allow_negative_numbers = true)]
     pub laps: usize,
-    /// Length of the result (of each time with --repeat): frames of 30 a second, or seconds, at most an hour; else the curve's own
+    /// Length of the result (of each time with --repeat): frames of 30 a second, at most 100000, or seconds; else the curve's own
     #[arg(long, value_name = "300|10s", value_parser = numbers::length, allow_negative_numbers = true)]
     pub length: Option<Length>,
     /// Follow it so many times, one after the other: for a bar of music, or a figure that is drawn once
@@ -128,7 +129,8 @@ pub struct AlignArgs {
     /// Solver gradients of every round [default: 4]
     #[arg(long, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub iterations: Option<usize>,
-    /// Smoothing of the drawn curve or the sound, frames of 30 a second; 0 for none [default: 2, for a sound 2.7]
+    /// Smoothing of the curve or the sound, frames of 30 a second; 0 for none [default: 2, for a sound 2.7, for a curve of
+    /// more than two dimensions 0]
     #[arg(long, value_name = "FRAMES", value_parser = numbers::smooth, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub smooth: Option<f64>,
     /// Another seed finds another of the equally good solutions
@@ -196,10 +198,8 @@ impl ControlArgs {
     /// The file that is followed.
     pub fn file(&self) -> Option<PathBuf> {
         let text = self.wave.as_deref().or(self.labels.as_deref());
-        self.curve
-            .clone()
-            .or_else(|| self.like.clone())
-            .or_else(|| text.and_then(crate::commands::control::file_in))
+        let path = self.curve.as_ref().or(self.sound.as_ref()).or(self.like.as_ref());
+        path.cloned().or_else(|| text.and_then(crate::commands::control::file_in))
     }
 
     /// The wave or labels themselves, where they were given as text.

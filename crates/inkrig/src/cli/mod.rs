@@ -109,7 +109,7 @@ pub struct InspectArgs {
 }
 
 /// How to read a motion file.
-#[derive(Debug, Default, Args)]
+#[derive(Debug, Clone, Default, Args)]
 pub struct ImportArgs {
     /// Metres in one unit of the file (0.01 for centimetres); guessed if not given
     #[arg(long, value_name = "METRES", value_parser = numbers::unit, allow_negative_numbers = true, help_heading = "Reading")]

@@ -9,7 +9,7 @@ use crate::bake::{self, BakeRecord};
 use crate::cli::{AlignArgs, BakeMode, ImportArgs, RootMode};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::guide::{CANDIDATES, Suggestions, guide};
+use crate::guide::{CANDIDATES, Origin, Suggestions, guide};
 use crate::map_picture::Canvas;
 use crate::over_ground::OverGround;
 use crate::provenance::{Facts, Run};
@@ -19,6 +19,7 @@ use crate::{clip_path, load, names, printable, span};
 use inkrig_align::{Alignment, Alternative, Control, Norm, Options, align, alternatives, keys_on_map};
 use inkrig_formats::{Import, SourceInfo};
 use inkrig_motion::{Clip, MotionError, Takes, cycle, time};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &AlignArgs, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
@@ -27,17 +28,20 @@ pub(super) fn run(args: &AlignArgs, run: &Run<'_>, console: &Console) -> Result<
     options.validate()?;
     let wishes = keys::all(args)?;
     let mut inputs = args.inputs();
-    inputs.extend(keys::files(&wishes, args).into_iter().filter(|file| !args.inputs().contains(file)));
+    inputs.extend(keys::files(&wishes, args));
+    let mut named = BTreeSet::new();
+    inputs.retain(|file| named.insert(file.clone()));
     check_names(args, &inputs, run)?;
     let over_ground = OverGround::of(&args.root)?;
     let mut warnings = Vec::new();
     let Sources { takes: source, first, parts } =
         source(&args.clips, args.range, args.laps, &args.import, console, &mut warnings)?;
-    let control =
-        control(args, &options, |path| Ok(motion(path, &args.import, console, &mut warnings)?.clip))?;
+    let control = control(args, &options, console, &mut warnings)?;
     let rate = args.fps.unwrap_or_else(|| source.clip().frame_rate());
     let clips = keys::Clips { takes: &source, parts: &parts, rate };
-    let read = |path: &Path| motion(path, &args.import, console, &mut warnings);
+    // Poses are of the same character, and so in the same unit and axes; which clip and what rate is of the first file.
+    let beside = ImportArgs { clip: None, source_fps: None, ..args.import.clone() };
+    let read = |path: &Path| motion(path, &beside, console, &mut warnings);
     let (keys, kept) = keys::resolve(&wishes, &clips, &control, read)?;
     if kept.is_some() && (args.root.root != RootMode::Travel || args.root.path.is_some()) {
         let cause =
@@ -58,7 +62,7 @@ pub(super) fn run(args: &AlignArgs, run: &Run<'_>, console: &Console) -> Result<
     let (kept, first) = kept.map_or((Vec::new(), first), |kept: Kept| (kept.rows, kept.source));
     let mut suggestions = None;
     if args.on_map {
-        let found = Suggestions::of(&source, &options, CANDIDATES)?;
+        let found = Suggestions::of(&source, options.threads, CANDIDATES)?;
         draw_on_map(args, &found, &mut options);
         suggestions = Some(found);
     }
@@ -70,16 +74,11 @@ pub(super) fn run(args: &AlignArgs, run: &Run<'_>, console: &Console) -> Result<
         let (clip, ground) = over_ground.apply(alignment.clip.clone(), &mut written_as, args.cyclic)?;
         alignment.clip = clip;
         alignment.report.notes.extend(ground.notes());
-        let solved_rate = alignment.clip.frame_rate();
         if let Some(rate) = args.fps {
             // Before anything is told or shown of it, so that all results are of the clip that is written.
-            alignment.clip = if args.cyclic {
-                cycle::resample_loop(&alignment.clip, rate)?
-            } else {
-                at_rate(alignment, rate)?
-            };
+            at_rate(alignment, rate, args.cyclic)?;
         }
-        let exact = exact_frames(alignment, solved_rate);
+        let exact = exact_frames(alignment);
         let baked = bake::bake(alignment.clip.clone(), &args.bake, &exact, (format, &written_as))?;
         alignment.clip = baked.clip;
         alignment.report.notes.extend(baked.record.as_ref().map(BakeRecord::note));
@@ -87,10 +86,10 @@ pub(super) fn run(args: &AlignArgs, run: &Run<'_>, console: &Console) -> Result<
     }
     let told = console.json || args.report.is_some() || args.preview.is_some();
     if told && suggestions.is_none() {
-        suggestions = Some(Suggestions::of(&source, &options, CANDIDATES)?);
+        suggestions = Some(Suggestions::of(&source, options.threads, CANDIDATES)?);
     }
     let suggestions = suggestions.as_ref();
-    let first_frame = keys::first_frame(args, source.clip().frame_rate());
+    let origin = Origin::of(&parts);
     let listed: Vec<Solution> =
         solutions.iter().enumerate().map(|(index, one)| Solution::of(&args.out_of(index), one)).collect();
     let mut first_record = None;
@@ -98,8 +97,7 @@ pub(super) fn run(args: &AlignArgs, run: &Run<'_>, console: &Console) -> Result<
         solutions.iter().zip(grounds).enumerate()
     {
         let names = clip_names(args);
-        let guide =
-            suggestions.map(|suggestions| guide(alignment, suggestions, &options, &names, first_frame));
+        let guide = suggestions.map(|found| guide(alignment, found, &options, &names, origin.first_frame));
         let title =
             title(args) + &if index > 0 { format!(", solution {}", index + 1) } else { String::new() };
         let made = Made {
@@ -117,11 +115,11 @@ pub(super) fn run(args: &AlignArgs, run: &Run<'_>, console: &Console) -> Result<
             names.places(),
             console,
             |more| {
-                let mut explained = Explained::of(alignment, &options, suggestions, first_frame);
+                let mut explained = Explained::of(alignment, &options, suggestions, &origin);
                 explained.solutions.clone_from(&listed);
                 Record::of(
                     args,
-                    &inputs,
+                    (&inputs, names.places()),
                     &options,
                     alignment,
                     explained,
@@ -240,16 +238,6 @@ impl AlignArgs {
     fn out_of(&self, index: usize) -> PathBuf {
         numbered(&self.out, index)
     }
-
-    /// Files that are written.
-    pub(super) fn places(&self) -> Places<'_> {
-        Places {
-            motion: &self.out,
-            report: self.report.as_ref(),
-            preview: self.preview.as_ref(),
-            sheet: self.sheet.as_ref(),
-        }
-    }
 }
 
 /// The clips to arrange.
@@ -324,13 +312,13 @@ pub(super) fn cut(clip: Clip, path: &Path, range: Option<Span>) -> Result<Clip, 
     time::trim(&clip, frames).map_err(|cause| CliError::Clip { path: path.to_path_buf(), cause })
 }
 
-/// Says before any work whether the results can be written, each to a file of its own.
+/// Says before any work whether the results can be written, each to a file of its own that is no input.
 fn check_names(args: &AlignArgs, inputs: &[PathBuf], run: &Run<'_>) -> Result<(), CliError> {
     results::format_of(&args.out)?;
     let names: Vec<Numbered> = (0..args.solutions).map(|index| Numbered::of(args, index)).collect();
     let places = || names.iter().flat_map(|names| names.places().all());
     let inputs = clip_path::files(inputs.iter().map(PathBuf::as_path));
-    names::all_differ(inputs.iter().map(PathBuf::as_path).chain(places()))?;
+    names::results_differ(inputs.iter().map(PathBuf::as_path), places())?;
     for names in &names {
         run.check_motion(&names.motion, &args.sidecar)?;
     }
@@ -341,10 +329,10 @@ fn check_names(args: &AlignArgs, inputs: &[PathBuf], run: &Run<'_>) -> Result<()
 }
 
 /// Frames of the result that hold exact poses, as `at_rate` has placed them.
-fn exact_frames(alignment: &Alignment, solved_rate: f64) -> Vec<usize> {
-    let ratio = alignment.clip.frame_rate() / solved_rate;
+fn exact_frames(alignment: &Alignment) -> Vec<usize> {
+    let rate = alignment.clip.frame_rate();
     let hard = alignment.report.keys.iter().filter(|key| key.kind == "hard");
-    hard.map(|key| ((key.seconds * solved_rate).round() * ratio).round() as usize).collect()
+    hard.map(|key| (key.seconds * rate).round() as usize).collect()
 }
 
 fn title(args: &AlignArgs) -> String {

@@ -1,41 +1,69 @@
 //! What a motion shall follow, from the command line.
 
-use crate::cli::AlignArgs;
+use super::align::motion;
+use crate::cli::{AlignArgs, ImportArgs};
+use crate::console::Console;
 use crate::error::CliError;
 use crate::load;
 use inkrig_align::{AlignError, Control, CurveOptions, Options, SoundOptions};
-use inkrig_motion::Clip;
-use inkrig_sketch::{Format, Labels, SketchError, Timing, Wave};
+use inkrig_sketch::{Drawing, Format, Labels, SketchError, Timing, Wave};
 use std::path::{Path, PathBuf};
 
-/// The control that was asked for; `motion` reads a motion file.
+/// The control that was asked for. What is odd in its file is said, and added to `warnings`.
 pub(super) fn control(
     args: &AlignArgs,
     options: &Options,
-    motion: impl FnOnce(&Path) -> Result<Clip, CliError>,
+    console: &Console,
+    warnings: &mut Vec<String>,
 ) -> Result<Control, CliError> {
+    check_options(args)?;
     let rate = options.matching_rate;
     let samples = args.length.map(|length| length.frames(rate));
     let asked = &args.control;
+    let mut odd = Vec::new();
     let mut control = if let Some(path) = &asked.curve {
-        curve(path, args, samples, rate)?
+        curve(path, args, samples, rate, &mut odd)?
     } else if let Some(text) = &asked.wave {
-        wave(text, samples, rate)?
+        wave(text, samples, rate, &mut odd)?
     } else if let Some(text) = &asked.labels {
         labels(text, samples, rate)?
     } else if let Some(path) = &asked.sound {
-        return sound(path, args, rate, samples);
+        sound(path, args, rate, samples, &mut odd)?
     } else if let Some(path) = &asked.like {
-        stretched(Control::from_motion(&motion(path)?, rate, &options.features)?, samples, rate)
+        // Another character, in a file of its own: what was said of reading the clip is not of it.
+        let like = motion(path, &ImportArgs::default(), console, warnings)?.clip;
+        stretched(Control::from_motion(&like, rate, &options.features)?, samples, rate)
     } else {
         // Clap asks for one of them.
         return Err(AlignError::StillControl.into());
     };
-    if args.repeat > 1 {
+    for warning in odd {
+        console.warn(&warning);
+        warnings.push(warning);
+    }
+    // A sound was repeated before it was analysed.
+    if args.repeat > 1 && asked.sound.is_none() {
         control = control.repeated(args.repeat)?;
     }
     control.cyclic = args.cyclic;
     Ok(control)
+}
+
+/// Refuses options that nothing would come of.
+fn check_options(args: &AlignArgs) -> Result<(), CliError> {
+    let asked = &args.control;
+    let with = match asked {
+        _ if asked.wave.is_some() => "--wave",
+        _ if asked.labels.is_some() => "--labels",
+        _ if asked.like.is_some() => "--like",
+        _ if asked.sound.is_some() => "--sound",
+        _ => return Ok(()),
+    };
+    match (args.smooth, args.uniform) {
+        (_, true) => Err(CliError::NoEffect { flag: "--uniform", with }),
+        (Some(_), _) if asked.sound.is_none() => Err(CliError::NoEffect { flag: "--smooth", with }),
+        _ => Ok(()),
+    }
 }
 
 /// A control said to play at another speed, so that it has a length.
@@ -47,39 +75,56 @@ fn stretched(mut control: Control, samples: Option<usize>, rate: f64) -> Control
 }
 
 /// A sound is repeated before it is analysed, so that nothing is heard where one time ends and the next begins.
-fn sound(path: &Path, args: &AlignArgs, rate: f64, samples: Option<usize>) -> Result<Control, CliError> {
+fn sound(
+    path: &Path,
+    args: &AlignArgs,
+    rate: f64,
+    samples: Option<usize>,
+    odd: &mut Vec<String>,
+) -> Result<Control, CliError> {
     let smooth = args.smooth.unwrap_or(SoundOptions::default().smooth);
     let options = SoundOptions { rate, smooth, times: args.repeat };
-    let played = Control::from_sound(&load::sound(path)?, &options)?;
+    let (sound, findings) = load::sound(path)?;
+    odd.extend(findings);
     let samples = samples.map(|samples| samples.saturating_mul(args.repeat));
-    Ok(Control { cyclic: args.cyclic, ..stretched(played, samples, rate) })
+    Ok(stretched(Control::from_sound(&sound, &options)?, samples, rate))
 }
 
 /// A drawing; a CSV of other columns than x and y is a curve of as many dimensions.
-fn curve(path: &Path, args: &AlignArgs, samples: Option<usize>, rate: f64) -> Result<Control, CliError> {
+fn curve(
+    path: &Path,
+    args: &AlignArgs,
+    samples: Option<usize>,
+    rate: f64,
+    odd: &mut Vec<String>,
+) -> Result<Control, CliError> {
     let timing = args.uniform.then_some(Timing::ArcLength);
-    let smooth = args.smooth.unwrap_or(CurveOptions::default().smooth);
-    let options = CurveOptions { samples, rate, smooth, timing };
-    let drawn = load::curve(path);
-    if drawn.is_err() && Format::from_path(path) == Some(Format::Csv) {
-        let table = load::drawing(path)
-            .and_then(|bytes| inkrig_sketch::read_table(&bytes).map_err(|error| about(path, error)));
-        if let Ok(table) = table
-            && table.width() > 2
-        {
-            return Control::from_table(&table, samples, rate).map_err(|error| with_path(path, error));
+    let (drawing, guess) = load::drawn(path)?;
+    odd.extend(guess);
+    // What is followed several times goes on from its end to its beginning, as in a loop.
+    let plain = CurveOptions { samples, rate, timing, goes_on: args.cyclic || args.repeat > 1, smooth: 0.0 };
+    let control = match drawing {
+        Drawing::Plane(curve) => {
+            let smooth = args.smooth.unwrap_or(CurveOptions::default().smooth);
+            Control::from_curve(&curve, &CurveOptions { smooth, ..plain })
         }
-    }
-    Control::from_curve(&drawn?, &options).map_err(|error| with_path(path, error))
+        Drawing::Table(table) => {
+            let smooth = args.smooth.unwrap_or(0.0);
+            Control::from_table_as(&table, &CurveOptions { smooth, ..plain })
+        }
+    };
+    control.map_err(|error| with_path(path, error))
 }
 
-fn wave(text: &str, samples: Option<usize>, rate: f64) -> Result<Control, CliError> {
+fn wave(text: &str, samples: Option<usize>, rate: f64, odd: &mut Vec<String>) -> Result<Control, CliError> {
     let Some(path) = file_in(text) else {
         let wave: Wave = text.parse().map_err(|error| said("--wave", error))?;
         return Control::from_wave(&wave, samples, rate).map_err(|error| with_text("--wave", error));
     };
     if ending(&path) == "wav" {
-        return Ok(Control::from_waveform(&load::sound(&path)?, samples, rate)?);
+        let (sound, findings) = load::sound(&path)?;
+        odd.extend(findings);
+        return Ok(Control::from_waveform(&sound, samples, rate)?);
     }
     let bytes = load::drawing(&path)?;
     let format = Format::from_path(&path).unwrap_or(Format::Csv);

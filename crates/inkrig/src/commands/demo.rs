@@ -84,7 +84,7 @@ impl Scene {
         let alignment = align(&takes, &control, &options, &mut |progress| bar.update(progress))?;
         bar.finish()?;
         let title = format!("{} follows {}", self.motion.name, self.curve.name);
-        let suggestions = Suggestions::of(&takes, &options, CANDIDATES)?;
+        let suggestions = Suggestions::of(&takes, options.threads, CANDIDATES)?;
         let names = [self.motion.name.to_string()];
         let guide = guide(&alignment, &suggestions, &options, &names, 0);
         let made = Made {

@@ -3,11 +3,12 @@
 use crate::bake::BakeRecord;
 use crate::cli::{AlignArgs, PresetArg, Up};
 use crate::error::CliError;
-use crate::guide::{CandidateFacts, Suggestions, round};
+use crate::guide::{CandidateFacts, Origin, Suggestions, round};
 use crate::over_ground::OverGroundRecord;
 use crate::printable::json_path;
+use crate::results::Places;
 use crate::span::seconds;
-use inkrig_align::{AMBIGUOUS, Alignment, Alternative, Explanation, Options};
+use inkrig_align::{AMBIGUOUS, Alignment, Alternative, Explanation, Options, Solver};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -42,7 +43,7 @@ impl<'a> Record<'a> {
     /// The record of a run; `alignment` holds the clip as it was written.
     pub(super) fn of(
         args: &AlignArgs,
-        inputs: &[PathBuf],
+        (inputs, outputs): (&[PathBuf], Places<'_>),
         options: &Options,
         alignment: &'a Alignment,
         explained: Explained,
@@ -61,7 +62,7 @@ impl<'a> Record<'a> {
             inputs: inputs.iter().map(|path| json_path(path)).collect(),
             control: args.control.text().map(str::to_string),
             key_arguments: key_arguments(args),
-            outputs: args.places().all().map(json_path).collect(),
+            outputs: outputs.all().map(json_path).collect(),
             explained,
             warnings,
             parameters: Parameters::of(args, options),
@@ -121,19 +122,19 @@ impl Solution {
 }
 
 impl Explained {
-    /// What is said of a result; frames are counted from `first_frame`.
+    /// What is said of a result.
     pub(super) fn of(
         alignment: &Alignment,
         options: &Options,
         suggestions: Option<&Suggestions>,
-        first_frame: usize,
+        origin: &Origin,
     ) -> Self {
         let mut used = Explanation::of(alignment, options);
-        used.frame.iter_mut().for_each(|frame| *frame += first_frame);
+        used.frame.iter_mut().for_each(|frame| *frame += origin.first_frame);
         Self {
             ambiguous: alignment.report.mirror_symmetry >= AMBIGUOUS,
             used,
-            candidates: suggestions.map(|found| found.facts(first_frame)).unwrap_or_default(),
+            candidates: suggestions.map(|found| found.facts(origin)).unwrap_or_default(),
             map_stress: suggestions.map_or(0.0, |found| round(found.map.stress, 4)),
             solutions: Vec::new(),
         }
@@ -165,6 +166,10 @@ struct Parameters {
     unit: Option<f64>,
     up: Option<&'static str>,
     source_fps: Option<f64>,
+    clip: Option<String>,
+    skeleton: Option<String>,
+    /// What was asked for; `solver` at the top says what it was.
+    solver: Solver,
     alpha: f64,
     lambda: f64,
     epsilon: f64,
@@ -210,6 +215,9 @@ impl Parameters {
                 Up::Z => "z",
             }),
             source_fps: args.import.source_fps,
+            clip: args.import.clip.clone(),
+            skeleton: args.import.skeleton.as_deref().map(json_path),
+            solver: options.solver,
             alpha: options.alpha,
             lambda: options.lambda,
             epsilon: options.epsilon,

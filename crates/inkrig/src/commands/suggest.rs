@@ -1,17 +1,17 @@
 //! `inkrig suggest`: poses of a clip worth a keyframe, and a map of it to draw on.
 
-use super::align::source;
+use super::align::{Sources, source};
 use super::settings;
 use crate::cli::SuggestArgs;
 use crate::console::Console;
 use crate::error::CliError;
-use crate::guide::{CandidateFacts, Suggestions, round};
+use crate::guide::{CandidateFacts, Origin, Suggestions, round};
 use crate::map_picture::{self, Canvas};
 use crate::output::Output;
 use crate::printable::{self, fixed, json_path};
 use crate::sheet::{SheetOptions, contact_sheet};
 use crate::{clip_path, load, names};
-use inkrig_align::Options;
+use inkrig_align::MapFrame;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -23,26 +23,23 @@ pub(super) fn run(args: &SuggestArgs, console: &Console) -> Result<(), CliError>
         None => false,
     };
     let files = clip_path::files(args.clips.iter().map(PathBuf::as_path));
-    names::all_differ(files.iter().map(PathBuf::as_path).chain(results()))?;
+    names::results_differ(files.iter().map(PathBuf::as_path), results())?;
     for path in results() {
         output.check(path)?;
     }
     let mut warnings = Vec::new();
-    let source = source(&args.clips, args.range, 1, &args.import, console, &mut warnings)?.takes;
+    let Sources { takes: source, parts, .. } =
+        source(&args.clips, args.range, 1, &args.import, console, &mut warnings)?;
     let stage = console.stage("looking for poses");
-    let options = Options { threads: settings::threads(args.threads), ..Options::default() };
-    let suggestions = Suggestions::of(&source, &options, args.count)?;
-    let first_frame = match args.range.and_then(|range| range.start) {
-        Some(start) if args.clips.len() == 1 => start.frames(source.clip().frame_rate()),
-        _ => 0,
-    };
-    let facts = Facts::of(args, &suggestions, first_frame, warnings);
+    let suggestions = Suggestions::of(&source, settings::threads(args.threads), args.count)?;
+    let origin = Origin::of(&parts);
+    let facts = Facts::of(args, &suggestions, &origin, warnings);
     let mut files: Vec<(&Path, Vec<u8>)> = Vec::new();
     if let Some(path) = &args.map {
         let bytes = if drawn {
             map_picture::svg(&suggestions, &Canvas::of(&suggestions.map))?
         } else {
-            serde_json::to_vec(&MapFile { facts: &facts, points: points(&suggestions, first_frame) })?
+            serde_json::to_vec(&MapFile { facts: &facts, moments: moments(&suggestions, &origin) })?
         };
         files.push((path, bytes));
     }
@@ -79,15 +76,15 @@ struct Facts {
 struct MapFile<'a> {
     #[serde(flatten)]
     facts: &'a Facts,
-    /// Frame, x to the right, y up.
-    points: Vec<(usize, f64, f64)>,
+    /// Frame, x to the right, y up. Not called points: it is no drawing, and its first number is no place.
+    moments: Vec<(usize, f64, f64)>,
 }
 
 impl Facts {
-    fn of(args: &SuggestArgs, suggestions: &Suggestions, first_frame: usize, warnings: Vec<String>) -> Self {
+    fn of(args: &SuggestArgs, suggestions: &Suggestions, origin: &Origin, warnings: Vec<String>) -> Self {
         Self {
             inputs: args.clips.iter().map(|path| json_path(path)).collect(),
-            candidates: suggestions.facts(first_frame),
+            candidates: suggestions.facts(origin),
             map_stress: round(suggestions.map.stress, 4),
             warnings,
         }
@@ -109,9 +106,11 @@ impl Facts {
     }
 }
 
-fn points(suggestions: &Suggestions, first_frame: usize) -> Vec<(usize, f64, f64)> {
+fn moments(suggestions: &Suggestions, origin: &Origin) -> Vec<(usize, f64, f64)> {
     let frames = suggestions.map.frames.iter();
-    frames.map(|at| (at.moment.frame + first_frame, round(at.place[0], 4), round(at.place[1], 4))).collect()
+    let place = |[x, y]: [f64; 2]| (round(x, 4), round(y, 4));
+    let moment = |at: &MapFrame| (at.moment.frame + origin.first_frame, place(at.place).0, place(at.place).1);
+    frames.map(moment).collect()
 }
 
 fn is_svg(path: &Path) -> Result<bool, CliError> {

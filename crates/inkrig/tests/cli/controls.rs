@@ -61,7 +61,7 @@ pub(super) fn tune() -> Vec<u8> {
 }
 
 /// Four seconds that rise and fall twice.
-fn swell() -> Vec<u8> {
+pub(super) fn swell() -> Vec<u8> {
     wav((0..32_000).map(|i| ((f64::from(i) / 8000.0 * std::f64::consts::PI).sin() * 12_000.0) as i16))
 }
 
@@ -80,6 +80,95 @@ pub(super) fn wav(samples: impl Iterator<Item = i16>) -> Vec<u8> {
     file.extend((data.len() as u32).to_le_bytes());
     file.extend(data);
     file
+}
+
+#[test]
+fn what_the_columns_of_a_drawing_are_is_said() {
+    let (_keep, folder) = desk();
+    let row = |i: i32| [f64::from(i) * 0.1, f64::from(i) * 0.05].map(f64::sin);
+    let write = |name: &str, header: &str, third: &dyn Fn(i32) -> f64| {
+        let rows: String = (0..120).map(|i| format!("{},{},{}\n", row(i)[0], row(i)[1], third(i))).collect();
+        std::fs::write(folder.join(name), format!("{header}{rows}")).unwrap();
+    };
+    let rising = |i: i32| f64::from(i) / 60.0;
+    write("named.csv", "x,y,z\n", &rising);
+    write("timed.csv", "x,y,seconds\n", &rising);
+    write("rising.csv", "", &rising);
+    write("deep.csv", "", &|i| (f64::from(i) * 0.1).cos());
+    let warned = |name: &str, frames: u64| {
+        let report = report(&folder, &["--curve", name, "--levels", "1"]);
+        assert_eq!(report["frames"], frames, "{name}");
+        report["warnings"].as_array().unwrap().iter().map(ToString::to_string).collect::<String>()
+    };
+    // 120 rows are 120 frames; two seconds less a row are 61.
+    assert_eq!((warned("named.csv", 120).as_str(), warned("timed.csv", 61).as_str()), ("", ""));
+    assert!(warned("rising.csv", 61).contains("rising.csv: its third column rises"));
+    assert!(warned("deep.csv", 120).contains("3 dimensions"));
+    // What is smoothed and spread evenly is so in any number of dimensions.
+    let plain = std::fs::read(folder.join("new.bvh")).unwrap();
+    for more in [&["--smooth", "8"][..], &["--uniform"]] {
+        report(&folder, &[&["--curve", "deep.csv", "--levels", "1"], more].concat());
+        assert_ne!(std::fs::read(folder.join("new.bvh")).unwrap(), plain, "{more:?}");
+    }
+}
+
+#[test]
+fn options_without_effect_are_refused() {
+    let (_keep, folder) = desk();
+    std::fs::write(folder.join("tune.wav"), tune()).unwrap();
+    let wave = ["--wave", "sine(1Hz) for 4s"];
+    for (control, more, part) in [
+        (wave, &["--smooth", "3"][..], "--smooth does nothing with --wave"),
+        (wave, &["--uniform"], "--uniform does nothing with --wave"),
+        (["--labels", "A:30 B:30"], &["--smooth", "3"], "--smooth does nothing with --labels"),
+        (["--like", "person.bvh"], &["--smooth", "3"], "--smooth does nothing with --like"),
+        (["--sound", "tune.wav"], &["--uniform"], "--uniform does nothing with --sound"),
+        (["--curve", "circles.csv"], &["--path-scale", "2"], "--path"),
+        (
+            ["--curve", "circles.csv"],
+            &["--path", "straight", "--path-scale", "2"],
+            "--path-scale does nothing",
+        ),
+    ] {
+        let said = complaint(&folder, &[&control[..], more].concat());
+        assert!(said.contains(part), "{more:?}: {said}");
+    }
+}
+
+#[test]
+fn how_the_clip_is_read_is_not_said_of_other_files() {
+    let (_keep, folder) = desk();
+    let frames = |more: &[&str]| {
+        std::fs::write(folder.join("snake.bvh"), inkrig::samples::find("snake").unwrap().bytes).unwrap();
+        report(&folder, &[&["--like", "snake.bvh", "--levels", "1"], more].concat())["control_frames"].clone()
+    };
+    assert_eq!(frames(&["--source-fps", "60"]), frames(&[]));
+    let report = report(&folder, &["--curve", "circles.csv", "--unit", "0.01", "--solver", "dense"]);
+    let parameters = &report["parameters"];
+    assert_eq!((&parameters["solver"], &parameters["clip"]), (&"dense".into(), &serde_json::Value::Null));
+}
+
+#[test]
+fn a_damaged_sound_is_followed_and_said() {
+    let (_keep, folder) = desk();
+    let tune = tune();
+    std::fs::write(folder.join("cut.wav"), &tune[..tune.len() * 3 / 4]).unwrap();
+    let report = report(&folder, &["--sound", "cut.wav", "--levels", "1"]);
+    assert!(report["warnings"][0].as_str().unwrap().contains("cut.wav: [sound-cut-short]"), "{report}");
+}
+
+#[test]
+fn a_circle_goes_around_a_loop_without_a_stop() {
+    let (_keep, folder) = desk();
+    for last in [119, 120] {
+        let turn = |i: i32| (f64::from(i) / 120.0 * std::f64::consts::TAU).sin_cos();
+        let circle: String = (0..=last).map(|i| format!("{},{}\n", turn(i).0, turn(i).1)).collect();
+        std::fs::write(folder.join("circle.csv"), circle).unwrap();
+        let report = report(&folder, &["--curve", "circle.csv", "--loop", "--length", "120"]);
+        let seam = report["loop_seam_ratio"].as_f64().unwrap();
+        println!("the seam of a circle of {} points: {seam:.2}", last + 1);
+        assert!((0.3..=1.5).contains(&seam), "{seam}");
+    }
 }
 
 #[test]

@@ -36,7 +36,7 @@ fn poses_are_suggested_and_the_clip_is_mapped() {
     assert_eq!(text(&output.stdout).matches("~frame:").count(), 8);
     assert!(std::fs::read(folder.join("poses.png")).unwrap().starts_with(b"\x89PNG"));
     let map = json(&std::fs::read(folder.join("map.json")).unwrap());
-    let points = map["points"].as_array().unwrap();
+    let points = map["moments"].as_array().unwrap();
     assert_eq!(points.len(), 721);
     assert_eq!(points[9][0], 9);
 
@@ -75,6 +75,25 @@ fn poses_are_suggested_and_the_clip_is_mapped() {
     let drawn = svg.replace("</svg>", "<path d='M200 300 L500 400 L300 300'/></svg>");
     std::fs::write(folder.join("drawn.svg"), drawn).unwrap();
     on_map("drawn.svg");
+    // The map is the same whatever the alignment looks at, and no drawing.
+    let looked = ["--patch", "0.6", "--rotations", "root", "--velocity", "world"];
+    let plain =
+        ["align", "person.bvh", "--curve", "line.json", "--on-map", "-o", "new.bvh", "--force", "--json"];
+    let otherwise = json(&inkrig(&folder, &[&plain[..], &looked].concat()).stdout);
+    assert_eq!(otherwise["candidates"], map["candidates"]);
+    assert_eq!(otherwise["keys"][1]["pose"], format!("frame {}", map["candidates"][1]["frame"]));
+    let said = inkrig(&folder, &["align", "person.bvh", "--curve", "map.json", "-o", "never.bvh"]);
+    assert!(
+        text(&said.stderr).replace(['\n', '│', ' '], "").contains("aclip'smap"),
+        "{}",
+        text(&said.stderr)
+    );
+    // Frames and seconds of a part are those of the file.
+    let part = inkrig(&folder, &["suggest", "person.bvh", "--range", "10s..20s", "--json"]);
+    for pose in json(&part.stdout)["candidates"].as_array().unwrap() {
+        let (frame, seconds) = (pose["frame"].as_f64().unwrap(), pose["seconds"].as_f64().unwrap());
+        assert!((10.0..20.0).contains(&seconds) && (seconds - frame / 30.0).abs() < 1e-3, "{pose}");
+    }
     let wrong = inkrig(&folder, &["suggest", "person.bvh", "--map", "map.txt"]);
     assert!(text(&wrong.stderr).contains(".svg"), "{}", text(&wrong.stderr));
 }
@@ -96,6 +115,11 @@ fn other_solutions_are_written_beside_the_first() {
     let first = std::fs::read(folder.join("new.bvh")).unwrap();
     assert_ne!(first, std::fs::read(folder.join("new-2.bvh")).unwrap());
     assert!(folder.join("p-2.html").exists());
+    // Every report names its own files.
+    assert!(align(&["--force", "--solutions", "2", "--report", "r.json"]).status.success());
+    let outputs = |name: &str| json(&std::fs::read(folder.join(name)).unwrap())["outputs"].clone();
+    assert_eq!(outputs("r.json"), serde_json::json!(["new.bvh", "r.json"]));
+    assert_eq!(outputs("r-2.json"), serde_json::json!(["new-2.bvh", "r-2.json"]));
     // The first is the one without the flag; the mirrored one is another.
     assert!(align(&["--force"]).status.success());
     assert!(first == std::fs::read(folder.join("new.bvh")).unwrap());

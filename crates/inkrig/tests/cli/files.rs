@@ -20,6 +20,52 @@ fn two_results_of_one_name_are_seen_before_they_are_there() {
     }
 }
 
+#[test]
+fn no_kind_of_control_is_written_over() {
+    let (_keep, folder) = desk();
+    std::fs::write(folder.join("tune.wav"), crate::controls::tune()).unwrap();
+    std::fs::write(folder.join("swell.wav"), crate::controls::swell()).unwrap();
+    let beat: String = (0..120).map(|i| format!("{}\n", i / 20 % 2)).collect();
+    std::fs::write(folder.join("beat.csv"), beat).unwrap();
+    let names: String = (0..120).map(|i| format!("{}\n", ["walk", "turn"][i / 60])).collect();
+    std::fs::write(folder.join("names.csv"), names).unwrap();
+    std::fs::write(folder.join("snake.bvh"), inkrig::samples::find("snake").unwrap().bytes).unwrap();
+    for (flag, file) in [
+        ("--curve", "circles.csv"),
+        ("--wave", "beat.csv"),
+        ("--wave", "swell.wav"),
+        ("--labels", "names.csv"),
+        ("--sound", "tune.wav"),
+        ("--like", "snake.bvh"),
+    ] {
+        let before = std::fs::read(folder.join(file)).unwrap();
+        let arguments =
+            ["align", "person.bvh", flag, file, "-o", "new.bvh", "--levels", "1", "--force", "--json"];
+        let over = inkrig(&folder, &[&arguments[..], &["--report", file]].concat());
+        assert!(!over.status.success() && said(&over).contains("namedtwice"), "{flag}: {}", said(&over));
+        assert_eq!(std::fs::read(folder.join(file)).unwrap(), before, "{flag}");
+        let good = inkrig(&folder, &[&arguments[..], &["--preview", "p.html"]].concat());
+        assert!(good.status.success(), "{flag}: {}", said(&good));
+        let report: serde_json::Value = serde_json::from_slice(&good.stdout).unwrap();
+        assert_eq!(report["inputs"], serde_json::json!(["person.bvh", file]), "{flag}");
+        let title = format!("person follows {}", file.split('.').next().unwrap());
+        assert!(text(&std::fs::read(folder.join("p.html")).unwrap()).contains(&title), "{flag}: {title}");
+    }
+}
+
+#[test]
+fn one_input_may_be_read_for_several_things() {
+    let (_keep, folder) = desk();
+    for more in [["--path", "circles.csv"], ["--avoid", "person.bvh:3"]] {
+        let output = align(&folder, &[&more[..], &["--force", "--levels", "1"]].concat());
+        assert!(output.status.success() || said(&output).contains("doesnottravel"), "{}", said(&output));
+    }
+    let like = ["align", "person.bvh", "--like", "person.bvh", "-o", "new.bvh", "--levels", "1", "--force"];
+    assert!(inkrig(&folder, &like).status.success());
+    let over = inkrig(&folder, &[&like[..5], &["person.bvh", "--force"]].concat());
+    assert!(said(&over).contains("namedtwice"), "{}", said(&over));
+}
+
 #[cfg(unix)]
 #[test]
 fn hard_links_of_inputs_are_no_results() {

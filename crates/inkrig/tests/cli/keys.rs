@@ -102,6 +102,33 @@ fn exact_keys_survive_another_rate() {
     assert!(same(51) < 2e-3, "{}", same(51));
 }
 
+#[test]
+fn exact_keys_survive_another_rate_of_a_loop() {
+    let (_keep, folder) = desk();
+    let keys = ["--key", "0s=frame:90", "--key", "2.03s=frame:400", "--key", "3.96s=frame:91"];
+    for (rate, places) in [("24", [0, 49, 95]), ("50", [0, 102, 198]), ("30", [0, 61, 119])] {
+        let arguments = [&["--curve", "circles.csv", "--loop", "--fps", rate][..], &keys].concat();
+        let report = report(&folder, &arguments);
+        let (new, old) = (clip(&folder, "new.bvh"), clip(&folder, "person.bvh"));
+        assert_eq!(new.frames(), 4 * rate.parse::<usize>().unwrap());
+        for (index, (place, frame)) in places.into_iter().zip([90, 400, 91]).enumerate() {
+            let pairs = new.rotations(place).iter().zip(old.rotations(frame)).skip(1);
+            let far = pairs.map(|(a, b)| a.angle_between(*b)).fold(0.0, f32::max);
+            assert!(far < 2e-3, "{rate} frames a second, frame {place}: {far}");
+            let row = &report["keys"][index];
+            let seconds = row["seconds"].as_f64().unwrap();
+            assert!((seconds - place as f64 / new.frame_rate()).abs() < 1e-6, "{row}");
+            assert!(row["rotation_error"].as_f64().unwrap() < 1e-3, "{row}");
+        }
+        assert!(report["keys"][1]["jump"].as_f64().unwrap() < 3.0);
+    }
+    // Two poses that fall on one frame cannot both be there, and the report says so.
+    let near = ["--key", "2s=frame:90", "--key", "2.04s=frame:400", "--fps", "10"];
+    let report = report(&folder, &[&["--curve", "circles.csv", "--loop"][..], &near].concat());
+    let worst = |index: usize| report["keys"][index]["rotation_error"].as_f64().unwrap();
+    assert!(worst(0).max(worst(1)) > 0.05, "{}", report["keys"]);
+}
+
 /// An animator likes a part of a first result, and has the rest made anew with another seed.
 #[test]
 fn a_fixed_part_stays_byte_for_byte() {

@@ -36,7 +36,7 @@ fn numbers_without_sense_are_refused_first() {
         ("--smooth", "-1", "from 0 to 1000"),
         ("--smooth", "inf", "from 0 to 1000"),
         ("--length", "2h", "seconds (10s)"),
-        ("--length", "3601s", "at most 3600s"),
+        ("--length", "3601s", "at most 3333s"),
         ("--length", "-5", "frames (300)"),
         ("--threads", "0", "from 1 to 1024"),
         ("--unit", "-1", "0.01 for centimetres"),

@@ -83,11 +83,3 @@ pub(super) fn files(wishes: &[Wish], args: &AlignArgs) -> Vec<PathBuf> {
     }
     files
 }
-
-/// The number of the first frame that the engine sees, as keys call it.
-pub(super) fn first_frame(args: &AlignArgs, rate: f64) -> usize {
-    match args.range.and_then(|range| range.start) {
-        Some(start) if args.clips.len() == 1 => start.frames(rate),
-        _ => 0,
-    }
-}
