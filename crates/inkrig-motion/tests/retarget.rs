@@ -144,6 +144,11 @@ fn legs_without_length_need_a_scale() {
     assert!(error.to_string().contains("give a scale"), "{error}");
     let options = RetargetOptions { scale: Some(1.0), ..RetargetOptions::default() };
     assert!(retarget(&source, &flat, &options).is_ok());
+    for scale in [f32::NAN, f32::INFINITY, 0.0, -1.0] {
+        let options = RetargetOptions { scale: Some(scale), ..RetargetOptions::default() };
+        let error = retarget(&source, &flat, &options).unwrap_err();
+        assert!(error.to_string().contains("give a number above 0"), "{error}");
+    }
 }
 
 #[test]
@@ -162,14 +167,100 @@ fn a_figure_whose_bones_lie_anywhere_at_rest_stands_in_its_own_clip() {
     let options = RetargetOptions { stance: standing_pose(&standing), ..RetargetOptions::default() };
     assert!(options.stance.is_some());
     let moved = retarget(&source, &lying_body, &options).unwrap();
-    let certificate = Certificate::of(&source, &moved).unwrap();
+    let certificate = Certificate::of(&source, &moved);
     assert!((moved.scale - 1.0).abs() < 1e-3, "{}", moved.scale);
     assert_eq!(certificate.broken(&CertificateLimits::default()), []);
     let without = retarget(&source, &lying_body, &RetargetOptions::default()).unwrap();
-    let broken = Certificate::of(&source, &without).unwrap().broken(&CertificateLimits::default());
+    let broken = Certificate::of(&source, &without).broken(&CertificateLimits::default());
     assert!(!broken.is_empty(), "the certificate sees that this went wrong");
     let foreign = Skeleton::new(vec![Joint::new("one", None, Vec3::ZERO)]).unwrap();
     let options = RetargetOptions { stance: Some(Pose::new(&foreign)), ..RetargetOptions::default() };
     let error = retarget(&source, &lying_body, &options).unwrap_err();
     assert!(error.to_string().contains("has 1 joints"), "{error}");
+}
+
+#[test]
+fn a_forearms_twist_is_shared_along_it() {
+    let from = body(ONE, 1.0, Vec3::X);
+    let onto = {
+        let plain = body(OTHER, 1.0, Vec3::X);
+        let mut joints = plain.joints().to_vec();
+        for side in ["l", "r"] {
+            let find = |name: &str| plain.find(&format!("{name}_{side}")).unwrap();
+            let (forearm, hand, upper) = (find("lowerarm"), find("hand"), find("upperarm"));
+            let half = 0.5 * plain.joints()[hand].offset;
+            joints.push(Joint::new(format!("lowerarm_twist_01_{side}"), Some(forearm), half));
+            let half = 0.5 * plain.joints()[forearm].offset;
+            joints.push(Joint::new(format!("upperarm_twist_01_{side}"), Some(upper), half));
+        }
+        Arc::new(Skeleton::new(joints).unwrap())
+    };
+    // The left hand turns over about the forearm, further and further.
+    let frames = 20;
+    let angle = |frame: usize| 0.15 * frame as f32;
+    let hand = from.find("LeftHand").unwrap();
+    let mut rotations = vec![Quat::IDENTITY; frames * from.len()];
+    for frame in 0..frames {
+        rotations[frame * from.len() + hand] = Quat::from_rotation_x(angle(frame));
+    }
+    let source = Clip::new(from, 30.0, rotations, vec![]).unwrap();
+    let moved = retarget(&source, &onto, &RetargetOptions::default()).unwrap();
+    let find = |name: &str| onto.find(name).unwrap();
+    assert_eq!(moved.twists.len(), 4);
+    let certificate = Certificate::of(&source, &moved);
+    assert_eq!(certificate.unmapped, Vec::<String>::new());
+    let mut pose = Pose::new(&onto);
+    for frame in 0..frames {
+        pose.set(&moved.clip, frame);
+        let turned = |joint: &str| {
+            let rotation = pose.rotations[find("lowerarm_l")].conjugate() * pose.rotations[find(joint)];
+            2.0 * rotation.x.atan2(rotation.w)
+        };
+        assert!((turned("hand_l") - angle(frame)).abs() < 0.01, "frame {frame}");
+        // Half way along the forearm half of it, past half a turn too.
+        assert!((turned("lowerarm_twist_01_l") - 0.5 * angle(frame)).abs() < 0.02, "frame {frame}");
+        assert!(turned("lowerarm_twist_01_r").abs() < 0.01);
+    }
+}
+
+/// A crane of joints in a row, which bends as time goes on.
+fn crane(name: &str, bones: &[f32], frames: usize) -> Clip {
+    let joint = |(index, length): (usize, &f32)| {
+        let parent = index.checked_sub(1);
+        Joint::new(format!("{name}{index}"), parent, if index == 0 { Vec3::ZERO } else { *length * Vec3::Y })
+    };
+    let skeleton = Arc::new(Skeleton::new(bones.iter().enumerate().map(joint).collect()).unwrap());
+    let rotations = (0..frames).flat_map(|frame| {
+        let bend = 0.02 * frame as f32;
+        (0..bones.len()).map(move |joint| Quat::from_rotation_z(bend * (joint as f32 - 1.0)))
+    });
+    Clip::new(skeleton.clone(), 30.0, rotations.collect(), vec![]).unwrap()
+}
+
+#[test]
+fn a_map_joins_what_nobody_knows() {
+    let (source, target) = (crane("s", &[0.0, 1.0, 1.0, 1.0], 30), crane("t", &[0.0, 0.5, 2.0, 1.0, 1.0], 1));
+    let options = |map: Vec<(usize, usize)>| RetargetOptions { map: Some(map), ..RetargetOptions::default() };
+    let error = retarget(&source, target.skeleton(), &RetargetOptions::default()).unwrap_err();
+    assert!(error.to_string().contains("give a map"), "{error}");
+    // The third joint of the longer one has no counterpart.
+    let map = vec![(0, 0), (1, 1), (2, 3), (3, 4)];
+    let moved = retarget(&source, target.skeleton(), &options(map)).unwrap();
+    let certificate = Certificate::of(&source, &moved);
+    assert_eq!(certificate.unmapped, ["t2"]);
+    assert!((certificate.scale - 1.5).abs() < 1e-4);
+    assert!(
+        certificate.direction.count > 0 && certificate.direction.max < 0.1,
+        "{:?}",
+        certificate.direction
+    );
+    for (map, said) in [
+        (vec![], "no pair"),
+        (vec![(0, 9)], "not there"),
+        (vec![(9, 0)], "not there"),
+        (vec![(0, 1), (1, 1)], "follow two"),
+    ] {
+        let error = retarget(&source, target.skeleton(), &options(map)).unwrap_err();
+        assert!(error.to_string().contains(said), "{error}");
+    }
 }

@@ -233,6 +233,17 @@ pub enum CliError {
         /// Why.
         cause: Box<RetargetError>,
     },
+    /// A map of joints that cannot be used.
+    #[error("{}: {}", printable::path(path), printable::text(cause))]
+    #[diagnostic(help(
+        "inkrig retarget MOTION --onto CHARACTER --suggest-map -o map.json writes one to begin with"
+    ))]
+    Map {
+        /// The file.
+        path: PathBuf,
+        /// Where and what.
+        cause: String,
+    },
     /// A result that does not keep its limits was not wanted.
     #[error("{} was not written: {broken}", printable::path(path))]
     #[diagnostic(help("without --strict it is written, with this as a warning"))]

@@ -1,12 +1,12 @@
 //! How the target stands in the source's reference pose.
 
+use super::figure::Figure;
 use super::plan::{Aim, Plan};
-use super::reference::{Reference, hip_height, sole};
+use super::reference::Reference;
 use super::{RetargetError, RetargetOptions};
 use crate::Skeleton;
 use crate::kinematics::Pose;
 use crate::orientation::{best_rotation, between};
-use crate::rig::Humanoid;
 use glam::{DQuat, DVec3, Quat, Vec3};
 
 /// What carrying over needs to know beside the frames.
@@ -14,42 +14,33 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 pub(super) struct Calibration {
     /// For every link, the target's world rotation in the reference pose.
     pub(super) target: Vec<Quat>,
+    /// For links that point a bone, where the source's points in the reference pose.
+    pub(super) bones: Vec<Option<Vec3>>,
     /// World rotations of all source joints in the reference pose.
     pub(super) source: Vec<Quat>,
+    /// The target's rest pose.
+    pub(super) rest: Pose,
     pub(super) scale: f32,
     /// Height of the ground under the source and under the target at rest, metres.
     pub(super) source_ground: f32,
     pub(super) target_ground: f32,
-    /// Place of the target's hips over the middle of its hip joints, in the hips' axes.
-    pub(super) hips_over_legs: Vec3,
-    /// Length of a leg of the source, metres.
-    pub(super) leg: f32,
 }
 
 pub(super) fn calibrate(
-    reference: &Reference,
-    (target, onto): (&Skeleton, &Humanoid),
+    (source, reference): (&Figure, &Reference),
+    (target, onto, rest): (&Skeleton, &Figure, Pose),
     plan: &Plan,
     options: &RetargetOptions,
 ) -> Result<Calibration, RetargetError> {
-    let rest = options.stance.clone().unwrap_or_else(|| Pose::new(target));
-    if rest.positions.len() != target.len() || rest.rotations.len() != target.len() {
-        return Err(RetargetError::Stance { expected: target.len(), got: rest.positions.len() });
-    }
-    let own_hips = hip_height(&rest, onto);
-    let scale = match options.scale {
-        Some(scale) if scale.is_finite() && scale > 0.0 => scale,
-        _ if reference.hips <= 1e-4 => return Err(RetargetError::NoLegs("motion")),
-        _ if own_hips <= 1e-4 => return Err(RetargetError::NoLegs("character")),
-        _ => own_hips / reference.hips,
-    };
     let from = |joint: usize| reference.pose.positions[joint].as_dvec3();
     let to = |joint: usize| rest.positions[joint].as_dvec3();
-    let turn = facing(&reference.pose, &reference.body) * facing(&rest, onto).conjugate();
+    let turn = source.facing(&reference.pose) * onto.facing(&rest).conjugate();
     let mut turned: Vec<Option<DQuat>> = vec![None; target.len()];
     let mut rotations = Vec::with_capacity(plan.links.len());
+    let mut bones = Vec::with_capacity(plan.links.len());
     for link in &plan.links {
         let place = to(link.target);
+        let mut points = None;
         let rotation = match &link.aim {
             // Both stand upright: shoulders of another slope are no reason to lean.
             Aim::Hub(_) | Aim::Upright if reference.at_rest => turn,
@@ -60,9 +51,11 @@ pub(super) fn calibrate(
                 };
                 best_rotation(&neighbours.iter().map(pair).collect::<Vec<_>>(), turn)
             }
-            Aim::Bone { target, from: begin, to: end } => {
+            Aim::Bone { target, from, to: end } => {
                 let own = turn * (to(*target) - place).normalize_or_zero();
-                between(own, (from(*end) - from(*begin)).normalize_or_zero()) * turn
+                let bone = end.place(&reference.pose.positions) - from.place(&reference.pose.positions);
+                points = bone.try_normalize();
+                between(own, bone.as_dvec3().normalize_or_zero()) * turn
             }
             Aim::Sole { target, from: begin, to: end } => {
                 let flat = |v: DVec3| DVec3::new(v.x, 0.0, v.z).normalize_or_zero();
@@ -72,31 +65,46 @@ pub(super) fn calibrate(
         };
         turned[link.target] = Some(rotation);
         rotations.push(rotation.as_quat() * rest.rotations[link.target]);
+        bones.push(points);
     }
-    let legs = 0.5 * (rest.positions[onto.legs[0].upper] + rest.positions[onto.legs[1].upper]);
-    let source_leg = reference.body.legs[0];
-    let at = |joint: usize| reference.pose.positions[joint];
-    let shin = source_leg.foot.map_or(0.0, |foot| at(foot).distance(at(source_leg.lower)));
+    let scale = match options.scale {
+        Some(scale) if scale.is_finite() && scale > 0.0 => scale,
+        Some(scale) => return Err(RetargetError::Scale(scale)),
+        None => {
+            // A person in the same pose; an animal's legs reach as far as they do at rest, however they bend.
+            let as_source = || onto.height(&stood(target, plan, &rotations));
+            let own = if onto.quadruped().is_some() { onto.height(&rest) } else { as_source() };
+            if reference.height <= 1e-4 {
+                return Err(RetargetError::NoLegs("motion"));
+            }
+            if own <= 1e-4 {
+                return Err(RetargetError::NoLegs("character"));
+            }
+            own / reference.height
+        }
+    };
     Ok(Calibration {
         target: rotations,
+        bones,
         source: reference.pose.rotations.clone(),
         scale,
         source_ground: reference.ground,
-        target_ground: sole(&rest, onto),
-        hips_over_legs: rest.rotations[onto.hips].conjugate() * (rest.positions[onto.hips] - legs),
-        leg: at(source_leg.lower).distance(at(source_leg.upper)) + shin,
+        target_ground: onto.sole(&rest),
+        rest,
     })
 }
 
-/// The rotation from z and y to where a body faces and its up.
-fn facing(pose: &Pose, body: &Humanoid) -> DQuat {
-    let at = |joint: usize| pose.positions[joint].as_dvec3();
-    let mut left = at(body.legs[0].upper) - at(body.legs[1].upper);
-    if let [Some(own), Some(other)] = body.arms {
-        left += at(own.upper) - at(other.upper);
+/// The target in the source's reference pose, its first root at its own offset.
+fn stood(target: &Skeleton, plan: &Plan, rotations: &[Quat]) -> Pose {
+    let mut pose = Pose::new(target);
+    for (index, joint) in target.joints().iter().enumerate() {
+        let above = joint.parent.map_or(Quat::IDENTITY, |parent| pose.rotations[parent]);
+        let place = joint.parent.map_or(Vec3::ZERO, |parent| pose.positions[parent]);
+        let link = plan.links.iter().position(|link| link.target == index);
+        pose.rotations[index] = link.and_then(|link| rotations.get(link).copied()).unwrap_or(above);
+        pose.positions[index] = place + above * joint.offset;
     }
-    let forward = DVec3::new(left.x, 0.0, left.z).cross(DVec3::Y).normalize_or(DVec3::Z);
-    DQuat::from_rotation_y(forward.x.atan2(forward.z))
+    pose
 }
 
 /// What the nearest joint above that is led is turned by.

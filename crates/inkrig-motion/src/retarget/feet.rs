@@ -1,99 +1,157 @@
 //! Feet that stand in the source stand in the target: two-bone inverse kinematics, eased in and out.
 
+mod settle;
+mod tail;
+
+use super::contacts::Standing;
+use super::figure::{Figure, Limb};
 use super::transfer::Moved;
+use crate::Skeleton;
+use crate::kinematics::Positions;
 use crate::orientation::between;
-use crate::rig::{Humanoid, Leg};
-use crate::{Clip, Skeleton, kinematics};
 use glam::{Quat, Vec3};
 
-/// A foot is down when its ankle is at most this far above its own lowest place, in leg lengths.
-const HEIGHT: f32 = 0.06;
-/// A foot that stands moves slower than this, leg lengths a second.
-const SPEED: f32 = 0.25;
-/// Shorter contacts are passing by, and shorter gaps between two are none, seconds.
-const SHORTEST: f64 = 0.1;
 /// The time over which a foot goes over into standing and out of it, seconds.
 const EASE: f64 = 0.12;
 /// A leg is never stretched beyond this share of its length: at all of it the knee snaps.
 const REACH: f32 = 0.9995;
+/// The hips come down for a leg that is too short by at most this share of its length.
+const DROP: f32 = 0.15;
 
-/// When each foot stands: side, first frame, last frame.
-pub(super) fn contacts(source: &Clip, body: &Humanoid, ground: f32, leg: f32) -> Vec<(usize, usize, usize)> {
-    let positions = kinematics::positions(source);
-    let (frames, rate) = (source.frames(), source.frame_rate());
-    let shortest = (SHORTEST * rate).ceil().max(2.0) as usize;
-    let mut spans = Vec::new();
-    for (side, own) in body.legs.iter().enumerate() {
-        let Some(foot) = own.foot else { continue };
-        // The lower of ankle and ball decides: heels lift before the foot does.
-        let joints: Vec<usize> = std::iter::once(foot).chain(own.toes).collect();
-        let mut stands = vec![false; frames];
-        for &joint in &joints {
-            let lowest =
-                (0..frames).map(|frame| positions.frame(frame)[joint].y).fold(f32::INFINITY, f32::min);
-            if lowest > ground + 0.35 * leg {
-                continue;
-            }
-            for (frame, slot) in stands.iter_mut().enumerate() {
-                let (before, after) = (frame.saturating_sub(1), (frame + 1).min(frames - 1));
-                let step = positions.frame(after)[joint].distance(positions.frame(before)[joint]);
-                let seconds = ((after - before).max(1) as f64 / rate) as f32;
-                let low = positions.frame(frame)[joint].y < lowest + HEIGHT * leg;
-                *slot |= low && step < SPEED * leg * seconds;
-            }
+/// What a foot is to stand on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ground<'a> {
+    pub(super) standing: &'a Standing,
+    /// Where the source's joints are.
+    pub(super) source: &'a Positions,
+    pub(super) scale: f32,
+    /// Height of the target's ground, metres.
+    pub(super) height: f32,
+    /// How high each leg's ankle and ball stand over it.
+    pub(super) clearance: &'a [[f32; 2]],
+    pub(super) rate: f64,
+    /// Target joints that turn by themselves.
+    pub(super) led: &'a [usize],
+}
+
+/// Points an animal's legs, from hip or shoulder to the paw, where the source's point, as much longer or shorter than at
+/// rest: bones of other proportions that point alike would put the paw elsewhere.
+pub(super) fn point_legs(
+    moved: &mut Moved,
+    target: &Skeleton,
+    (from, reference, source): (&Figure, &[Vec3], &Positions),
+    (onto, rest): (&Figure, &[Vec3]),
+) {
+    if onto.quadruped().is_none() {
+        return;
+    }
+    for (own, leg) in from.legs.iter().zip(&onto.legs) {
+        let (Some(paw), Some(foot)) = (own.foot, leg.foot) else { continue };
+        let length = |places: &[Vec3], upper: usize, foot: usize| places[foot].distance(places[upper]);
+        let ratio = length(rest, leg.upper, foot) / length(reference, own.upper, paw).max(f32::MIN_POSITIVE);
+        for frame in 0..moved.turns.len().min(source.frames()) {
+            let now = moved.places(frame, target);
+            let chord = source.frame(frame)[paw] - source.frame(frame)[own.upper];
+            let goal = now[leg.upper] + ratio * chord;
+            bend(&mut moved.turns[frame], &now, leg, foot, goal, target);
         }
-        let mut begin = None;
-        for frame in 0..=frames {
-            match (begin, stands.get(frame) == Some(&true)) {
-                (None, true) => begin = Some(frame),
-                (Some(first), false) => {
-                    if frame - first >= shortest {
-                        spans.push((side, first, frame - 1));
-                    }
-                    begin = None;
-                }
-                _ => {}
+    }
+}
+
+/// How high the ankle and ball of each leg are over the ground when it stands: of left and right the lower one, since
+/// a stance may have one foot lifted.
+pub(super) fn clearance(figure: &Figure, rest: &[Vec3], ground: f32) -> Vec<[f32; 2]> {
+    let over = |joint: Option<usize>| joint.map_or(f32::INFINITY, |joint| (rest[joint].y - ground).max(0.0));
+    let own: Vec<[f32; 2]> = figure.legs.iter().map(|leg| [over(leg.foot), over(leg.toes)]).collect();
+    (0..own.len())
+        .map(|index| {
+            let other = own.get(index ^ 1).unwrap_or(&own[index]);
+            [0, 1].map(|part| own[index][part].min(other[part]))
+        })
+        .collect()
+}
+
+/// Keeps feet where they are put down: while one stands, what stands of it stays where it is over the ground, as high
+/// as it stands at rest. Hips come down where a leg would be too short.
+pub(super) fn keep(moved: &mut Moved, target: &Skeleton, from: &Figure, onto: &Figure, ground: &Ground<'_>) {
+    let frames = moved.turns.len();
+    settle::settle(moved, target, from, onto, ground);
+    let places: Vec<Vec<Vec3>> = (0..frames).map(|frame| moved.places(frame, target)).collect();
+    let legs: Vec<Vec<(Vec3, f32)>> = (0..onto.legs.len().min(from.legs.len()))
+        .map(|index| goals(index, (&from.legs[index], &onto.legs[index]), &places, ground))
+        .collect();
+    lower_hips(moved, onto, &places, &legs, ground.rate);
+    for (index, goals) in legs.iter().enumerate() {
+        let leg = &onto.legs[index];
+        let Some(foot) = leg.foot else { continue };
+        for (frame, &(goal, share)) in goals.iter().enumerate().skip(ground.standing.rest_pose_frames) {
+            let now = moved.places(frame, target);
+            let under = below(leg, &now, ground, index);
+            let goal = (now[foot] + Vec3::Y * under).lerp(goal, share);
+            if goal.distance(now[foot]) > 1e-6 {
+                bend(&mut moved.turns[frame], &now, leg, foot, goal, target);
             }
         }
     }
-    spans
+    tail::lift(moved, target, onto, ground.height);
 }
 
-/// Keeps feet where they are put down: while one stands, what stands of it stays where it is over the ground.
-pub(super) fn keep(
-    moved: &mut Moved,
-    target: &Skeleton,
-    body: &Humanoid,
-    contacts: &[(usize, usize, usize)],
-    rate: f64,
-) {
-    let ease = (EASE * rate).round().max(1.0);
-    let places: Vec<Vec<Vec3>> = (0..moved.turns.len()).map(|frame| moved.places(frame, target)).collect();
-    for (side, leg) in body.legs.iter().enumerate() {
-        let Some(foot) = leg.foot else { continue };
-        let own: Vec<(usize, usize, Vec<Vec3>)> = contacts
-            .iter()
-            .filter(|contact| contact.0 == side)
-            .map(|&(_, first, last)| (first, last, shifts(&places[first..=last], foot, leg.toes)))
-            .collect();
-        for (frame, now) in places.iter().enumerate() {
+/// For every frame where the ankle is to be, and how much: 1 while the foot stands, fading around it.
+fn goals(
+    index: usize,
+    (source, leg): (&Limb, &Limb),
+    places: &[Vec<Vec3>],
+    ground: &Ground<'_>,
+) -> Vec<(Vec3, f32)> {
+    let Some(foot) = leg.foot else { return vec![(Vec3::ZERO, 0.0); places.len()] };
+    let ease = (EASE * ground.rate).round().max(1.0);
+    let contacts = ground.standing.contacts.iter().filter(|contact| contact.0 == index);
+    let own: Vec<(usize, usize, Vec<Vec3>)> = contacts
+        .map(|&(_, first, last)| {
+            let still = vec![Vec3::ZERO; last + 1 - first];
+            // Of one who goes on the spot feet slide: nothing says where they should stay.
+            let held = !ground.standing.on_the_spot;
+            let shifts = if held { shifts(&places[first..=last], foot, leg.toes) } else { still };
+            (first, last, shifts)
+        })
+        .collect();
+    (places.iter().enumerate())
+        .map(|(frame, now)| {
             // Pulls of the contacts around, each 1 while it lasts and fading outside of it.
-            let (mut pull, mut weight) = (Vec3::ZERO, 0.0_f32);
-            let mut strongest = 0.0_f32;
+            let (mut pull, mut weight, mut strongest) = (Vec3::ZERO, 0.0_f32, 0.0_f32);
             for (first, last, shifts) in &own {
-                let (first, last) = (*first, *last);
-                let outside = first.saturating_sub(frame).max(frame.saturating_sub(last)) as f64;
-                let share = (1.0 - outside / ease).max(0.0) as f32;
-                let share = share * share * (3.0 - 2.0 * share);
-                pull += share * shifts[frame.clamp(first, last) - first];
+                let share = ground.share(frame, (*first, *last), ease);
+                pull += share * shifts[frame.clamp(*first, *last) - first];
                 weight += share;
                 strongest = strongest.max(share);
             }
-            if weight > 0.0 {
-                let goal = now[foot] + pull / weight * strongest;
-                bend(&mut moved.turns[frame], now, leg, foot, goal, target);
+            if weight == 0.0 {
+                return (now[foot], 0.0);
             }
+            let height = lift(index, (source, leg), now, frame, ground);
+            let mut goal = now[foot] + pull / weight + Vec3::Y * height;
+            if ground.standing.on_the_spot {
+                // Nothing holds it over the ground: the leg points where it did, longer or shorter.
+                let along = now[foot] - now[leg.upper];
+                let longer = height / along.y;
+                if longer.abs() < 0.5 {
+                    goal = now[foot] + along * longer;
+                }
+            }
+            (goal, strongest)
+        })
+        .collect()
+}
+
+impl Ground<'_> {
+    /// How much a foot stands at a frame by one contact: 1 while it lasts, fading outside of it.
+    fn share(&self, frame: usize, (first, last): (usize, usize), ease: f64) -> f32 {
+        if frame < self.standing.rest_pose_frames {
+            return 0.0;
         }
+        let outside = first.saturating_sub(frame).max(frame.saturating_sub(last)) as f64;
+        let share = (1.0 - outside / ease).max(0.0) as f32;
+        share * share * (3.0 - 2.0 * share)
     }
 }
 
@@ -112,8 +170,59 @@ fn shifts(places: &[Vec<Vec3>], foot: usize, toes: Option<usize>) -> Vec<Vec3> {
     shifts.iter().map(|shift| *shift - mean).collect()
 }
 
+/// How far a standing foot is to be lifted so that ankle and ball are as high over the ground as they stand at rest,
+/// and as much higher as the source's are over where they stand.
+fn lift(index: usize, (source, leg): (&Limb, &Limb), now: &[Vec3], frame: usize, ground: &Ground<'_>) -> f32 {
+    let parts = [(source.foot, leg.foot), (source.toes, leg.toes)];
+    let mut lift = f32::NEG_INFINITY;
+    for (part, (own, other)) in parts.into_iter().enumerate() {
+        let low = ground.standing.low.get(index).and_then(|low| low[part]);
+        let (Some(own), Some(other), Some(low)) = (own, other, low) else { continue };
+        let over = ground.source.frame(frame)[own].y - low;
+        let height = ground.height + ground.clearance[index][part] + ground.scale * over;
+        lift = lift.max(height - now[other].y);
+    }
+    if lift.is_finite() { lift } else { 0.0 }
+}
+
+/// How deep a foot is below the ground, 0 above it. Toes that point down come lower than they stand.
+fn below(leg: &Limb, now: &[Vec3], ground: &Ground<'_>, index: usize) -> f32 {
+    let parts = [leg.foot, leg.toes].into_iter().zip(ground.clearance[index]);
+    let deep = parts.filter_map(|(joint, over)| Some(ground.height + 0.3 * over - now[joint?].y));
+    deep.fold(0.0, f32::max)
+}
+
+/// Brings the hips down where a leg that stands would have to be longer than it is, slowly before and after.
+fn lower_hips(moved: &mut Moved, onto: &Figure, places: &[Vec<Vec3>], legs: &[Vec<(Vec3, f32)>], rate: f64) {
+    let drops: Vec<f32> = (places.iter().enumerate())
+        .map(|(frame, now)| {
+            let drop = |(leg, goals): (&Limb, &Vec<(Vec3, f32)>)| {
+                let foot = leg.foot?;
+                let (goal, share) = goals[frame];
+                let (hip, knee, ankle) = (now[leg.upper], now[leg.lower], now[foot]);
+                let length = REACH * (knee.distance(hip) + ankle.distance(knee));
+                let aside = (goal - hip).with_y(0.0).length();
+                let reach = (length * length - aside * aside).max(0.0).sqrt();
+                Some((share * (hip.y - goal.y - reach)).clamp(0.0, DROP * length))
+            };
+            onto.legs.iter().zip(legs).filter_map(drop).fold(0.0, f32::max)
+        })
+        .collect();
+    let wide = (EASE * rate).round().max(1.0) as usize;
+    let around =
+        |values: &[f32], frame: usize| frame.saturating_sub(wide)..(frame + wide + 1).min(values.len());
+    // The most around a frame, then the mean of that: never less than what is needed.
+    let most: Vec<f32> = (0..drops.len())
+        .map(|frame| drops[around(&drops, frame)].iter().copied().fold(0.0, f32::max))
+        .collect();
+    for (frame, place) in moved.hips.iter_mut().enumerate() {
+        let near = &most[around(&most, frame)];
+        place.y -= near.iter().sum::<f32>() / near.len() as f32;
+    }
+}
+
 /// Turns a leg so that its ankle comes to a place; the foot keeps its direction in the world, the knee its plane.
-fn bend(turns: &mut [Quat], places: &[Vec3], leg: &Leg, foot: usize, goal: Vec3, target: &Skeleton) {
+fn bend(turns: &mut [Quat], places: &[Vec3], leg: &Limb, foot: usize, goal: Vec3, target: &Skeleton) {
     let (hip, knee, ankle) = (places[leg.upper], places[leg.lower], places[foot]);
     let (thigh, shin) = (knee.distance(hip), ankle.distance(knee));
     let reach = goal - hip;

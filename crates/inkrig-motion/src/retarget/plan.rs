@@ -1,9 +1,13 @@
 //! Which joint leads which.
 
+use super::chains;
+use super::figure::Figure;
+use crate::kinematics::Pose;
 use crate::rig::{Humanoid, Part, Side};
+use glam::Vec3;
 
 /// What a target joint follows, and where its bone goes.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Plan {
     /// One for every target joint that is led, parents before children.
     pub(super) links: Vec<Link>,
@@ -17,8 +21,8 @@ pub(super) struct Link {
     pub(super) aim: Aim,
 }
 
-/// The source joints whose turning a target joint takes: for chains of unequal length a place between two.
-#[derive(Debug, Clone, Copy)]
+/// A place on a chain of the source: a joint, or between two for chains of unequal length.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lead {
     pub(super) low: usize,
     pub(super) high: usize,
@@ -29,8 +33,8 @@ pub(super) struct Lead {
 /// What a target joint is turned by in the reference pose.
 #[derive(Debug, Clone)]
 pub(super) enum Aim {
-    /// Its bone: the target's next joint, and the source's bone from and to.
-    Bone { target: usize, from: usize, to: usize },
+    /// Its bone, which goes to the target's joint, points where the source does between two places.
+    Bone { target: usize, from: Lead, to: Lead },
     /// Several neighbours: target joint, source joint.
     Hub(Vec<(usize, usize)>),
     /// As a foot: round the vertical only, so that soles stay flat.
@@ -42,42 +46,15 @@ pub(super) enum Aim {
 }
 
 impl Plan {
-    pub(super) fn new(from: &Humanoid, onto: &Humanoid) -> Self {
-        let mut links = Vec::new();
-        let legs = [0, 1].map(|side| (onto.legs[side].upper, from.legs[side].upper));
-        let mut hips: Vec<(usize, usize)> = legs.into();
-        if let (Some(&own), Some(&other)) = (onto.spine.first(), from.spine.first()) {
-            hips.push((own, other));
-        }
-        links.push(Link { target: onto.hips, lead: Lead::one(from.hips), aim: Aim::Hub(hips) });
-        // The spine from the joint above the hips, the neck from the joint above the chest.
-        let source_spine: Vec<usize> = std::iter::once(from.hips).chain(from.spine.iter().copied()).collect();
-        let chest_neighbours = chest(from, onto);
-        for (index, &target) in onto.spine.iter().enumerate() {
-            let last = index + 1 == onto.spine.len();
-            let lead = Lead::between(&source_spine, (index + 1) as f32 / onto.spine.len() as f32);
-            let aim = if last && chest_neighbours.len() > 1 {
-                Aim::Hub(chest_neighbours.clone())
-            } else {
-                Aim::Upright
-            };
-            links.push(Link { target, lead, aim });
-        }
-        let chest = *source_spine.last().unwrap_or(&from.hips);
-        let source_neck: Vec<usize> =
-            std::iter::once(chest).chain(from.neck.iter().copied()).chain(from.head).collect();
-        let count = onto.neck.len() + usize::from(onto.head.is_some());
-        for (index, target) in onto.neck.iter().copied().chain(onto.head).enumerate() {
-            let lead = Lead::between(&source_neck, (index + 1) as f32 / count as f32);
-            links.push(Link { target, lead, aim: Aim::Upright });
-        }
-        for side in Side::BOTH {
-            limb(from, onto, side, &[Part::Clavicle, Part::UpperArm, Part::LowerArm, Part::Hand], &mut links);
-            limb(from, onto, side, &[Part::UpperLeg, Part::LowerLeg, Part::Foot, Part::Toes], &mut links);
-        }
+    /// For two bodies of one kind; `None` for others.
+    pub(super) fn of(from: (&Figure, &Pose), onto: (&Figure, &Pose)) -> Option<Self> {
+        let mut links = match (from.0.humanoid(), onto.0.humanoid()) {
+            (Some(own), Some(other)) => humanoid(own, other),
+            _ => chains::links((from.0.quadruped()?, from), (onto.0.quadruped()?, onto)),
+        };
         links.sort_by_key(|link| link.target);
         links.dedup_by_key(|link| link.target);
-        Self { links }
+        Some(Self { links })
     }
 
     /// Target joints with the source joint that leads each most.
@@ -86,13 +63,49 @@ impl Plan {
     }
 }
 
+fn humanoid(from: &Humanoid, onto: &Humanoid) -> Vec<Link> {
+    let mut links = Vec::new();
+    let legs = [0, 1].map(|side| (onto.legs[side].upper, from.legs[side].upper));
+    let mut hips: Vec<(usize, usize)> = legs.into();
+    if let (Some(&own), Some(&other)) = (onto.spine.first(), from.spine.first()) {
+        hips.push((own, other));
+    }
+    links.push(Link { target: onto.hips, lead: Lead::one(from.hips), aim: Aim::Hub(hips) });
+    // The spine from the joint above the hips, the neck from the joint above the chest.
+    let source_spine: Vec<usize> = std::iter::once(from.hips).chain(from.spine.iter().copied()).collect();
+    let chest_neighbours = chest(from, onto);
+    for (index, &target) in onto.spine.iter().enumerate() {
+        let last = index + 1 == onto.spine.len();
+        let lead = Lead::between(&source_spine, (index + 1) as f32 / onto.spine.len() as f32);
+        let aim = if last && chest_neighbours.len() > 1 {
+            Aim::Hub(chest_neighbours.clone())
+        } else {
+            Aim::Upright
+        };
+        links.push(Link { target, lead, aim });
+    }
+    let chest = *source_spine.last().unwrap_or(&from.hips);
+    let source_neck: Vec<usize> =
+        std::iter::once(chest).chain(from.neck.iter().copied()).chain(from.head).collect();
+    let count = onto.neck.len() + usize::from(onto.head.is_some());
+    for (index, target) in onto.neck.iter().copied().chain(onto.head).enumerate() {
+        let lead = Lead::between(&source_neck, (index + 1) as f32 / count as f32);
+        links.push(Link { target, lead, aim: Aim::Upright });
+    }
+    for side in Side::BOTH {
+        limb(from, onto, side, &[Part::Clavicle, Part::UpperArm, Part::LowerArm, Part::Hand], &mut links);
+        limb(from, onto, side, &[Part::UpperLeg, Part::LowerLeg, Part::Foot, Part::Toes], &mut links);
+    }
+    links
+}
+
 impl Lead {
-    fn one(joint: usize) -> Self {
+    pub(super) fn one(joint: usize) -> Self {
         Self { low: joint, high: joint, part: 0.0 }
     }
 
-    /// A place on a chain: 0 its first joint, 1 its last.
-    fn between(chain: &[usize], place: f32) -> Self {
+    /// A place on a chain that has a joint: 0 its first one, 1 its last.
+    pub(super) fn between(chain: &[usize], place: f32) -> Self {
         let last = chain.len() - 1;
         let at = place * last as f32;
         let low = (at.floor() as usize).min(last);
@@ -100,7 +113,12 @@ impl Lead {
         Self { low: chain[low], high: chain[high], part: at - low as f32 }
     }
 
-    fn nearest(self) -> usize {
+    /// Where that is among the joints' places.
+    pub(super) fn place(self, places: &[Vec3]) -> Vec3 {
+        places[self.low].lerp(places[self.high], self.part)
+    }
+
+    pub(super) fn nearest(self) -> usize {
         if self.part < 0.5 { self.low } else { self.high }
     }
 }
@@ -121,7 +139,9 @@ fn limb(from: &Humanoid, onto: &Humanoid, side: Side, parts: &[Part; 4], links: 
             parts.get(index + 1).and_then(|&next| Some((onto.joint(next, side)?, from.joint(next, side)?)));
         let aim = match (part, next) {
             (Part::Foot, Some((own, other))) => Aim::Sole { target: own, from: source, to: other },
-            (_, Some((own, other))) => Aim::Bone { target: own, from: source, to: other },
+            (_, Some((own, other))) => {
+                Aim::Bone { target: own, from: Lead::one(source), to: Lead::one(other) }
+            }
             (_, None) => Aim::Along,
         };
         links.push(Link { target, lead: Lead::one(source), aim });

@@ -1,9 +1,11 @@
 //! Frame after frame from the source to the target.
 
 use super::calibrate::Calibration;
-use super::plan::Plan;
+use super::figure::Figure;
+use super::plan::{Aim, Plan};
+use super::twist::Share;
 use crate::kinematics::Pose;
-use crate::rig::Humanoid;
+use crate::orientation::between;
 use crate::{Clip, MotionError, Skeleton, TranslationTrack};
 use glam::{Quat, Vec3};
 use std::sync::Arc;
@@ -19,9 +21,10 @@ pub(super) struct Moved {
 }
 
 pub(super) fn transfer(
-    (source, from): (&Clip, &Humanoid),
-    (target, onto): (&Skeleton, &Humanoid),
+    (source, from): (&Clip, &Figure),
+    (target, onto): (&Skeleton, &Figure),
     plan: &Plan,
+    twists: &mut [Share],
     calibration: &Calibration,
 ) -> Moved {
     let mut pose = Pose::new(source.skeleton());
@@ -35,10 +38,18 @@ pub(super) fn transfer(
         // How a source joint is turned against the reference pose, world axes.
         let turned = |joint: usize| pose.rotations[joint] * calibration.source[joint].conjugate();
         let mut turns: Vec<Option<Quat>> = vec![None; target.len()];
-        for (link, reference) in plan.links.iter().zip(&calibration.target) {
+        for ((link, reference), bone) in plan.links.iter().zip(&calibration.target).zip(&calibration.bones) {
             let (low, high) = (turned(link.lead.low), turned(link.lead.high));
-            let along = if link.lead.part > 0.0 { low.slerp(high, link.lead.part) } else { low };
+            let mut along = if link.lead.part > 0.0 { low.slerp(high, link.lead.part) } else { low };
+            if let (Aim::Bone { from, to, .. }, Some(bone)) = (&link.aim, bone) {
+                // Where several bones of the source stand for one, their joint alone does not say where it points.
+                let points = to.place(&pose.positions) - from.place(&pose.positions);
+                along = between((along * *bone).as_dvec3(), points.as_dvec3()).as_quat() * along;
+            }
             turns[link.target] = Some((along * *reference).normalize());
+        }
+        for twist in twists.iter_mut() {
+            turns[twist.joint] = twist.turn(&turns, plan, calibration);
         }
         let mut world: Vec<Quat> = Vec::with_capacity(target.len());
         for (joint, own) in target.joints().iter().zip(turns) {
@@ -46,58 +57,68 @@ pub(super) fn transfer(
             world.push(own.unwrap_or(parent));
         }
         // The middle of the legs is what is scaled: hips joints stand elsewhere in other skeletons.
-        let legs = 0.5 * (pose.positions[from.legs[0].upper] + pose.positions[from.legs[1].upper]);
-        let above = Vec3::new(legs.x, legs.y - calibration.source_ground, legs.z) * calibration.scale;
-        let hips =
-            above + Vec3::Y * calibration.target_ground + world[onto.hips] * calibration.hips_over_legs;
+        let middle = from.middle(&pose.positions) - Vec3::Y * calibration.source_ground;
+        let goal = middle * calibration.scale + Vec3::Y * calibration.target_ground;
+        let places = places(target, &world, onto.hips, Vec3::ZERO);
+        moved.hips.push(goal - onto.middle(&places));
         moved.turns.push(world);
-        moved.hips.push(hips);
     }
     moved
+}
+
+/// Places of all joints when the hips are at one.
+fn places(target: &Skeleton, turns: &[Quat], hips: usize, at: Vec3) -> Vec<Vec3> {
+    let mut places: Vec<Vec3> = Vec::with_capacity(target.len());
+    for joint in target.joints() {
+        let above = joint.parent.map_or(Vec3::ZERO, |parent| places[parent]);
+        let turn = joint.parent.map_or(Quat::IDENTITY, |parent| turns[parent]);
+        places.push(above + turn * joint.offset);
+    }
+    // The hips carry the character; all below them goes along.
+    let shift = at - places[hips];
+    let mut moved = vec![false; target.len()];
+    for (index, joint) in target.joints().iter().enumerate() {
+        moved[index] = index == hips || joint.parent.is_some_and(|parent| moved[parent]);
+        if moved[index] {
+            places[index] += shift;
+        }
+    }
+    places
 }
 
 impl Moved {
     /// Places of all joints at a frame.
     pub(super) fn places(&self, frame: usize, target: &Skeleton) -> Vec<Vec3> {
-        let turns = &self.turns[frame];
-        let mut places: Vec<Vec3> = Vec::with_capacity(target.len());
-        for joint in target.joints() {
-            let above = joint.parent.map_or(Vec3::ZERO, |parent| places[parent]);
-            let turn = joint.parent.map_or(Quat::IDENTITY, |parent| turns[parent]);
-            places.push(above + turn * joint.offset);
-        }
-        // The hips carry the character; all below them goes along.
-        let shift = self.hips[frame] - places[self.hips_joint];
-        let mut moved = vec![false; target.len()];
-        for (index, joint) in target.joints().iter().enumerate() {
-            moved[index] = index == self.hips_joint || joint.parent.is_some_and(|parent| moved[parent]);
-            if moved[index] {
-                places[index] += shift;
-            }
-        }
-        places
+        places(target, &self.turns[frame], self.hips_joint, self.hips[frame])
     }
 
-    /// The clip: the hips' place becomes their translation in what stands above them.
+    /// The clip of the skeleton as it is in its file: the hips' place and those of loose joints become translations in
+    /// what stands above them.
     pub(super) fn into_clip(
         self,
         target: &Arc<Skeleton>,
-        hips: usize,
+        hung: &Skeleton,
+        loose: &[usize],
         rate: f64,
     ) -> Result<Clip, MotionError> {
         let joints = target.joints();
         let mut rotations = Vec::with_capacity(self.turns.len() * joints.len());
-        let mut values = Vec::with_capacity(self.turns.len());
-        for (turns, place) in self.turns.iter().zip(&self.hips) {
+        let moving: Vec<usize> = std::iter::once(self.hips_joint).chain(loose.iter().copied()).collect();
+        let mut values: Vec<Vec<Vec3>> = vec![Vec::with_capacity(self.turns.len()); moving.len()];
+        for (frame, turns) in self.turns.iter().enumerate() {
             for (joint, turn) in joints.iter().zip(turns) {
                 let parent = joint.parent.map_or(Quat::IDENTITY, |parent| turns[parent]);
                 rotations.push(parent.conjugate() * *turn);
             }
-            // What stands above the hips is at rest.
-            let chain = std::iter::successors(joints[hips].parent, |&joint| joints[joint].parent);
-            let above: Vec3 = chain.map(|joint| joints[joint].offset).sum();
-            values.push(*place - above);
+            let places = self.places(frame, hung);
+            for (&joint, values) in moving.iter().zip(&mut values) {
+                let above = joints[joint].parent;
+                let place = above.map_or(Vec3::ZERO, |above| places[above]);
+                let turn = above.map_or(Quat::IDENTITY, |above| turns[above]);
+                values.push(turn.conjugate() * (places[joint] - place));
+            }
         }
-        Clip::new(Arc::clone(target), rate, rotations, vec![TranslationTrack { joint: hips, values }])
+        let tracks = moving.into_iter().zip(values).map(|(joint, values)| TranslationTrack { joint, values });
+        Clip::new(Arc::clone(target), rate, rotations, tracks.collect())
     }
 }

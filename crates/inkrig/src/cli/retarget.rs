@@ -16,10 +16,15 @@ Examples:
       the certificate as a file; nothing is written where a limit is not kept
   inkrig retarget walk.bvh --onto hero.glb -o hero-walk.glb --bake sparse
       few keys with curves, for editing
+  inkrig retarget trot.glb --onto fox.glb -o fox-trot.glb --preview trot.html
+      one animal on four legs as another moves, with a page that shows both
+  inkrig retarget walk.bvh --onto robot.glb --suggest-map -o map.json
+  inkrig retarget walk.bvh --onto robot.glb --map map.json -o robot-walk.glb
+      which joint follows which, written to a file; and carried over as the file then says
 
 The certificate says how exact the result is: how well limbs point where they did (limit: 5 degrees for 95 of 100
-frames), how far standing feet slide (limit: 5 mm a frame), how far it sinks into the ground (limit: 20 mm). Both
-characters are two-legged, their joints named as common programs do.";
+frames), how far standing feet slide (limit: 5 mm a frame), float (20 mm) or sink into the ground (20 mm), and more;
+docs/retarget.md has all of it. Joints are known by the names of common programs, else by the skeleton's build.";
 
 /// Arguments of `inkrig retarget`.
 #[derive(Debug, Args)]
@@ -30,12 +35,19 @@ pub struct RetargetArgs {
     /// The character that shall move so: a file of any format that is read, with or without a motion
     #[arg(long, value_name = "CHARACTER", value_hint = ValueHint::FilePath)]
     pub onto: PathBuf,
-    /// The file to write: .bvh, .glb (for a character from a GLB a copy of it with the new clip), .fbx, .usda, .vrma
+    /// The file to write: .bvh, .glb (for a character from a GLB a copy of it with the new clip), .fbx, .usda, .vrma;
+    /// with --suggest-map a .json
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub out: PathBuf,
     /// Size of the character over that of the one in the motion; else the ratio of their hips' heights
     #[arg(long, value_name = "RATIO", value_parser = numbers::scale, allow_negative_numbers = true)]
     pub scale: Option<f64>,
+    /// Which joint follows which: a file that --suggest-map wrote and you have changed
+    #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath, conflicts_with = "suggest_map")]
+    pub map: Option<PathBuf>,
+    /// Only write which joint would follow which, to be changed and given with --map
+    #[arg(long, conflicts_with_all = ["strict", "report", "sheet", "preview"])]
+    pub suggest_map: bool,
     /// Do not hold standing feet in place
     #[arg(long)]
     pub no_keep_feet: bool,
@@ -51,7 +63,10 @@ pub struct RetargetArgs {
     /// Write the certificate as JSON
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath, help_heading = "More results")]
     pub report: Option<PathBuf>,
-    /// Write a contact sheet of poses
+    /// Write a page that shows the result, with the motion beside it
+    #[arg(long, value_name = "FILE.html", value_hint = ValueHint::FilePath, help_heading = "More results")]
+    pub preview: Option<PathBuf>,
+    /// Write a contact sheet: poses of the motion, in the character's size, beside those of the result
     #[arg(long, value_name = "FILE.png", value_hint = ValueHint::FilePath, help_heading = "More results")]
     pub sheet: Option<PathBuf>,
     /// Replace files that are there already

@@ -1,8 +1,11 @@
 //! A certificate in words and as JSON.
 
 use crate::guide::round;
+use crate::preview::Figure;
 use crate::printable::{counted, fixed, text};
-use inkrig_motion::retarget::{Broken, Certificate, CertificateLimits, Spread};
+use inkrig_motion::retarget::{
+    BoneDirection, Broken, Certificate, CertificateLimits, Hinge, HingeRange, JointPosition, Spread,
+};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -17,17 +20,34 @@ pub(super) struct CertificateRecord {
     scale: f64,
     /// The character's joints that turn with the motion's.
     pairs: Vec<PairRecord>,
+    /// The character's joints that take a share of a limb's twist.
+    twist: Vec<String>,
     /// The character's joints that keep their rest, without end sites.
     unmapped: Vec<String>,
-    /// Degrees between upper and lower arms and legs of both, over all frames.
+    /// The motion's joints that lead none, without end sites.
+    unused: Vec<String>,
+    /// Degrees between limbs of both, over all frames.
     direction_degrees: SpreadRecord,
     limbs: Vec<LimbRecord>,
+    /// Degrees between the trunks of both, over all frames.
+    trunk_degrees: SpreadRecord,
     /// How often a foot stands.
     contacts: usize,
+    /// The motion goes on the spot, its feet slide, and so do the result's.
+    on_the_spot: bool,
     /// Millimetres from frame to frame of what stands of a foot.
     slide_mm: SpreadRecord,
+    /// Millimetres of standing feet above the ground.
+    floating_mm: SpreadRecord,
     /// Millimetres of the lowest mapped joint below the ground, over all frames.
     below_ground_mm: SpreadRecord,
+    /// Millimetres over the ground between the way of the hips and that of the scaled motion.
+    drift_mm: SpreadRecord,
+    /// Millimetres between joints and the scaled motion's: no limit, since bodies differ.
+    position_mm: SpreadRecord,
+    joints: Vec<PositionRecord>,
+    /// Knees and elbows of a person, degrees.
+    hinges: Vec<HingeRecord>,
 }
 
 #[derive(Debug, Serialize)]
@@ -40,8 +60,12 @@ struct BrokenRecord {
 #[derive(Debug, Serialize)]
 struct LimitsRecord {
     direction_p95_degrees: f64,
+    trunk_p95_degrees: f64,
     slide_max_mm: f64,
+    floating_p95_mm: f64,
     below_ground_max_mm: f64,
+    drift_max_mm: f64,
+    hinge_beyond_max_degrees: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -57,6 +81,27 @@ struct LimbRecord {
     degrees: SpreadRecord,
 }
 
+#[derive(Debug, Serialize)]
+struct PositionRecord {
+    joint: String,
+    motion: String,
+    #[serde(flatten)]
+    millimetres: SpreadRecord,
+}
+
+#[derive(Debug, Serialize)]
+struct HingeRecord {
+    joint: String,
+    back: f64,
+    bent: f64,
+    aside: f64,
+    /// Beyond the range of a body, more than the motion's own.
+    beyond: f64,
+    motion_back: f64,
+    motion_bent: f64,
+    motion_aside: f64,
+}
+
 #[derive(Debug, Clone, Copy, Serialize)]
 struct SpreadRecord {
     mean: f64,
@@ -70,86 +115,182 @@ impl From<Spread> for SpreadRecord {
     }
 }
 
+impl From<&Broken> for BrokenRecord {
+    fn from(broken: &Broken) -> Self {
+        Self { what: broken.what, value: round(broken.value, 4), limit: broken.limit }
+    }
+}
+
+impl From<&BoneDirection> for LimbRecord {
+    fn from(limb: &BoneDirection) -> Self {
+        Self { limb: limb.bone.clone(), degrees: limb.degrees.into() }
+    }
+}
+
+impl From<&JointPosition> for PositionRecord {
+    fn from(of: &JointPosition) -> Self {
+        Self { joint: of.joint.clone(), motion: of.motion.clone(), millimetres: of.millimetres.into() }
+    }
+}
+
+impl From<&Hinge> for HingeRecord {
+    fn from(hinge: &Hinge) -> Self {
+        let HingeRange { back, bent, aside } = hinge.result;
+        let name = if hinge.part == inkrig_motion::rig::Part::LowerArm { "elbow" } else { "knee" };
+        Self {
+            joint: format!("{:?} {name}", hinge.side).to_lowercase(),
+            back: round(back, 2),
+            bent: round(bent, 2),
+            aside: round(aside, 2),
+            beyond: round(hinge.beyond(), 2),
+            motion_back: round(hinge.source.back, 2),
+            motion_bent: round(hinge.source.bent, 2),
+            motion_aside: round(hinge.source.aside, 2),
+        }
+    }
+}
+
 impl CertificateRecord {
     pub(super) fn of(certificate: &Certificate, broken: &[Broken]) -> Self {
         let limits = CertificateLimits::default();
+        let pair =
+            |(own, other): &(String, String)| PairRecord { character: own.clone(), motion: other.clone() };
         Self {
             verdict: if broken.is_empty() { "pass" } else { "warn" },
-            broken: (broken.iter())
-                .map(|broken| BrokenRecord {
-                    what: broken.what,
-                    value: round(broken.value, 4),
-                    limit: broken.limit,
-                })
-                .collect(),
+            broken: broken.iter().map(BrokenRecord::from).collect(),
             limits: LimitsRecord {
                 direction_p95_degrees: limits.direction_degrees,
+                trunk_p95_degrees: limits.trunk_degrees,
                 slide_max_mm: limits.slide_mm,
+                floating_p95_mm: limits.floating_mm,
                 below_ground_max_mm: limits.penetration_mm,
+                drift_max_mm: limits.drift_mm,
+                hinge_beyond_max_degrees: limits.hinge_degrees,
             },
             scale: round(f64::from(certificate.scale), 6),
-            pairs: (certificate.pairs.iter())
-                .map(|(own, other)| PairRecord { character: own.clone(), motion: other.clone() })
-                .collect(),
+            pairs: certificate.pairs.iter().map(pair).collect(),
+            twist: certificate.twists.clone(),
             unmapped: certificate.unmapped.clone(),
+            unused: certificate.unused.clone(),
             direction_degrees: certificate.direction.into(),
-            limbs: (certificate.limbs.iter())
-                .map(|limb| LimbRecord {
-                    limb: format!("{:?} {:?}", limb.side, limb.part),
-                    degrees: limb.degrees.into(),
-                })
-                .collect(),
+            limbs: certificate.limbs.iter().map(LimbRecord::from).collect(),
+            trunk_degrees: certificate.trunk.into(),
             contacts: certificate.contacts,
+            on_the_spot: certificate.on_the_spot,
             slide_mm: certificate.slide.into(),
+            floating_mm: certificate.floating.into(),
             below_ground_mm: certificate.penetration.into(),
+            drift_mm: certificate.drift.into(),
+            position_mm: certificate.position.into(),
+            joints: certificate.joints.iter().map(PositionRecord::from).collect(),
+            hinges: certificate.hinges.iter().map(HingeRecord::from).collect(),
         }
     }
 
-    /// A few lines for people.
-    pub(super) fn text(&self) -> String {
-        let mut lines = format!("certificate: {}\n", self.verdict);
-        let mut line = |name: &str, value: &str, note: &str| {
-            // Writing to a string cannot fail.
-            let _ = writeln!(lines, "  {name:<16} {value:<22} {note}");
-        };
+    /// The figures, for a page and for a table of text.
+    pub(super) fn figures(&self) -> Vec<Figure> {
         let of = |spread: SpreadRecord| {
             format!("mean {}, largest {}", fixed(spread.mean, 1), fixed(spread.max, 1))
         };
-        line("scale", &fixed(self.scale, 3), "size of the character over that of the one in the motion");
-        line(
-            "limbs point off",
-            &format!("{} degrees (P95)", fixed(self.direction_degrees.p95, 1)),
-            &format!(
-                "{}; at most {} are wanted",
-                of(self.direction_degrees),
-                self.limits.direction_p95_degrees
+        let wanted = |limit: f64| format!("at most {limit} are wanted");
+        let stands = self.contacts > 0;
+        let figure = |name: &str, value: String, note: String| Figure { name: name.into(), value, note };
+        let mut figures = vec![
+            figure(
+                "scale",
+                fixed(self.scale, 3),
+                "size of the character over that of the one in the motion".into(),
             ),
-        );
-        let slide = self.slide_mm;
-        if self.contacts == 0 {
-            line("feet slide", "-", "no foot stands in this motion");
-        } else {
-            line(
-                "feet slide",
-                &format!("{} mm a frame", fixed(slide.max, 1)),
-                &format!(
-                    "mean {}, P95 {}, while they stand ({}); at most {} are wanted",
-                    fixed(slide.mean, 1),
-                    fixed(slide.p95, 1),
-                    counted(self.contacts, "time"),
-                    self.limits.slide_max_mm
+            figure(
+                "limbs point off",
+                format!("{} degrees (P95)", fixed(self.direction_degrees.p95, 1)),
+                format!("{}; {}", of(self.direction_degrees), wanted(self.limits.direction_p95_degrees)),
+            ),
+            figure(
+                "trunk points off",
+                format!("{} degrees (P95)", fixed(self.trunk_degrees.p95, 1)),
+                format!("{}; {}", of(self.trunk_degrees), wanted(self.limits.trunk_p95_degrees)),
+            ),
+            match (stands, self.on_the_spot) {
+                (false, _) => figure("feet slide", "-".into(), "no foot stands in this motion".into()),
+                (_, true) => figure(
+                    "feet slide",
+                    "-".into(),
+                    "the motion goes on the spot: its feet slide too, and are not held".into(),
                 ),
-            );
+                _ => figure(
+                    "feet slide",
+                    format!("{} mm a frame", fixed(self.slide_mm.max, 1)),
+                    format!(
+                        "mean {}, P95 {}, while they stand ({}); {}",
+                        fixed(self.slide_mm.mean, 1),
+                        fixed(self.slide_mm.p95, 1),
+                        counted(self.contacts, "time"),
+                        wanted(self.limits.slide_max_mm)
+                    ),
+                ),
+            },
+        ];
+        if stands {
+            figures.push(figure(
+                "feet float",
+                format!("{} mm (P95)", fixed(self.floating_mm.p95, 1)),
+                format!(
+                    "{}, while they stand; {}",
+                    of(self.floating_mm),
+                    wanted(self.limits.floating_p95_mm)
+                ),
+            ));
         }
-        line(
+        figures.push(figure(
             "below the ground",
-            &format!("{} mm", fixed(self.below_ground_mm.max, 1)),
-            &format!(
-                "mean {}; at most {} are wanted",
+            format!("{} mm", fixed(self.below_ground_mm.max, 1)),
+            format!(
+                "mean {}; {}",
                 fixed(self.below_ground_mm.mean, 1),
-                self.limits.below_ground_max_mm
+                wanted(self.limits.below_ground_max_mm)
             ),
-        );
+        ));
+        figures.push(figure(
+            "way off",
+            format!("{} mm", fixed(self.drift_mm.max, 1)),
+            format!(
+                "over the ground, mean {}; {}",
+                fixed(self.drift_mm.mean, 1),
+                wanted(self.limits.drift_max_mm)
+            ),
+        ));
+        figures.push(figure(
+            "joints off",
+            format!("{} mm (P95)", fixed(self.position_mm.p95, 0)),
+            format!("{}; from the scaled motion's: bodies differ, no limit", of(self.position_mm)),
+        ));
+        if let Some(worst) = self.hinges.iter().max_by(|a, b| a.beyond.total_cmp(&b.beyond)) {
+            let note = match worst.beyond {
+                0.0 => "degrees beyond the range of a body (10 back, 165 bent, 25 aside), more than in the motion".into(),
+                _ => format!(
+                    "degrees beyond, by the {}: {} back, {} bent, {} aside",
+                    worst.joint, worst.back, worst.bent, worst.aside
+                ),
+            };
+            let note = format!("{note}; {}", wanted(self.limits.hinge_beyond_max_degrees));
+            figures.push(figure("knees and elbows", fixed(worst.beyond, 1), note));
+        }
+        figures
+    }
+
+    /// What is not kept, a sentence each.
+    pub(super) fn notes(&self) -> Vec<String> {
+        self.broken.iter().map(BrokenRecord::text).collect()
+    }
+
+    /// A table for people.
+    pub(super) fn text(&self) -> String {
+        let mut lines = format!("certificate: {}\n", self.verdict);
+        for Figure { name, value, note } in self.figures() {
+            // Writing to a string cannot fail.
+            let _ = writeln!(lines, "  {name:<16} {value:<22} {note}");
+        }
         let pairs = self.pairs.iter().map(|pair| {
             if pair.character == pair.motion {
                 text(&pair.character)
@@ -158,16 +299,23 @@ impl CertificateRecord {
             }
         });
         list(&mut lines, "joints", pairs);
+        list(&mut lines, "share a twist", self.twist.iter().map(text));
         list(&mut lines, "at rest", self.unmapped.iter().map(text));
-        for broken in &self.broken {
-            let _ = writeln!(lines, "warning: {}", broken.text());
+        list(&mut lines, "not used", self.unused.iter().map(text));
+        for note in self.notes() {
+            let _ = writeln!(lines, "warning: {note}");
         }
         lines.trim_end().to_string()
     }
 
+    /// Whether a limit is not kept.
+    pub(super) fn is_broken(&self) -> bool {
+        !self.broken.is_empty()
+    }
+
     /// What is not kept, in one line.
     pub(super) fn broken_text(&self) -> String {
-        self.broken.iter().map(BrokenRecord::text).collect::<Vec<_>>().join("; ")
+        self.notes().join("; ")
     }
 }
 

@@ -9,6 +9,7 @@ use crate::output::OutputError;
 use crate::over_ground::{OverGround, OverGroundRecord};
 use crate::printable::{self, counted, fixed, json_path};
 use crate::provenance::{Facts, Run};
+use crate::read_back::ReadBack;
 use crate::span::seconds;
 use crate::{clip_path, inputs, load, names, results, wildcard};
 use inkrig_formats::{ExportOptions, Format, Import, write_motion};
@@ -56,6 +57,8 @@ struct Converted {
     #[serde(rename = "loop")]
     looped: Option<LoopRecord>,
     bake: Option<BakeRecord>,
+    /// The file read again and compared, for formats that are read.
+    read_back: Option<ReadBack>,
     warnings: Vec<String>,
 }
 
@@ -200,6 +203,9 @@ impl Job<'_> {
         let written = write_motion(&clip, format, &options)
             .map_err(|cause| CliError::Format { path: out.to_path_buf(), cause: Box::new(cause) })?;
         warnings.extend(load::warnings(&written.findings, out));
+        let read_back = ReadBack::of(&written.bytes, format, &clip, &options);
+        let wrong = read_back.and_then(|found| found.warning());
+        warnings.extend(wrong.map(|wrong| format!("{}: {wrong}", printable::path(out))));
         let file = [input.to_path_buf()];
         self.run.write_motion(out, &written.bytes, &args.sidecar, &Facts::of_files(&file))?;
         Ok(Converted {
@@ -216,6 +222,7 @@ impl Job<'_> {
             root,
             looped,
             bake: baked.record,
+            read_back,
             warnings,
         })
     }

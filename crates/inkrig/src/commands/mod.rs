@@ -10,6 +10,7 @@ mod data;
 mod demo;
 mod demo_files;
 mod inspect;
+mod joint_map;
 mod keys;
 mod model;
 mod record;

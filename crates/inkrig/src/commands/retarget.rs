@@ -2,18 +2,21 @@
 
 use super::align::{cut, motion};
 use super::certificate::CertificateRecord;
+use super::joint_map;
 use crate::bake::{self, BakeRecord, Baked};
 use crate::cli::{BakeMode, ImportArgs, RetargetArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::printable::{self, counted, fixed, json_path};
 use crate::provenance::{Facts, Run};
-use crate::sheet::{SheetOptions, contact_sheet};
+use crate::read_back::ReadBack;
+use crate::side_by_side::SideBySide;
 use crate::span::seconds;
 use crate::{clip_path, load, names, results};
 use inkrig_formats::{ExportOptions, Format, Import, write_motion};
 use inkrig_motion::retarget::{
-    Certificate, CertificateLimits, RetargetError, RetargetOptions, retarget, standing_pose,
+    Certificate, CertificateLimits, RetargetError, RetargetOptions, Retargeted, retarget, standing_pose,
+    suggest,
 };
 use inkrig_motion::{Clip, time};
 use serde::Serialize;
@@ -21,7 +24,8 @@ use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &RetargetArgs, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
     bake::check(&args.bake)?;
-    let format = results::format_of(&args.out)?;
+    // A map is JSON; a result has the format that its name says.
+    let format = if args.suggest_map { None } else { Some(results::format_of(&args.out)?) };
     check_names(args, run)?;
     let mut warnings = Vec::new();
     let import = motion(&args.motion, &args.import, console, &mut warnings)?;
@@ -32,29 +36,43 @@ pub(super) fn run(args: &RetargetArgs, run: &Run<'_>, console: &Console) -> Resu
         // Before anything is carried over: what is measured is what is written.
         clip = time::resample(&clip, rate)?;
     }
+    let job = Job { args, clip: &clip, character: &character, options: options(args, &clip, &character)? };
+    let Some(format) = format else { return job.write_map(run, console) };
     let stage = console.stage("carrying the motion over");
-    let (baked, certificate) = carry_over(args, &clip, &character, format)?;
+    let (moved, baked, certificate) = job.carry_over(format)?;
     let broken = certificate.broken(&CertificateLimits::default());
     let certificate = CertificateRecord::of(&certificate, &broken);
     let refused = args.strict && !broken.is_empty();
     let mut files: Vec<(&Path, Vec<u8>)> = Vec::new();
+    let mut read_back = None;
     if !refused {
         let options = ExportOptions {
-            name: Some(name),
+            name: Some(name.clone()),
             keys: baked.keys.clone(),
             ..ExportOptions::in_format(format, &character.source)
         };
         let written = write_motion(&baked.clip, format, &options)?;
-        for warning in load::warnings(&written.findings, &args.out) {
+        read_back = ReadBack::of(&written.bytes, format, &baked.clip, &options);
+        // Few keys are near to the motion on purpose, and say themselves how near.
+        let wrong = read_back.filter(|_| baked.keys.is_none()).and_then(|found| found.warning());
+        let wrong = wrong.map(|wrong| format!("{}: {wrong}", printable::path(&args.out)));
+        for warning in load::warnings(&written.findings, &args.out).into_iter().chain(wrong) {
             console.warn(&warning);
             warnings.push(warning);
         }
         files.push((&args.out, written.bytes));
+    }
+    let record = Record::of(args, &baked.clip, (certificate, baked.record), read_back, warnings);
+    if !refused && (args.preview.is_some() || args.sheet.is_some()) {
+        let pictures = SideBySide::of(&clip, &baked.clip, moved.scale)?;
+        if let Some(path) = &args.preview {
+            let page = pictures.page(&name, &record.certificate.figures(), &record.certificate.notes());
+            files.push((path, page.into_bytes()));
+        }
         if let Some(path) = &args.sheet {
-            files.push((path, contact_sheet(&baked.clip, &SheetOptions::default())?));
+            files.push((path, pictures.sheet()?));
         }
     }
-    let record = Record::of(args, &baked.clip, (certificate, baked.record), !refused, warnings);
     if let Some(path) = &args.report {
         // Also of a result that is refused: it says why.
         files.push((path, serde_json::to_vec_pretty(&record)?));
@@ -86,32 +104,71 @@ pub(super) fn run(args: &RetargetArgs, run: &Run<'_>, console: &Console) -> Resu
     Ok(())
 }
 
-fn carry_over(
-    args: &RetargetArgs,
-    clip: &Clip,
-    character: &Import,
-    format: Format,
-) -> Result<(Baked, Certificate), CliError> {
-    let options = RetargetOptions {
+fn options(args: &RetargetArgs, clip: &Clip, character: &Import) -> Result<RetargetOptions, CliError> {
+    let map = args.map.as_deref();
+    let read = |path| joint_map::read(path, clip.skeleton(), character.clip.skeleton());
+    Ok(RetargetOptions {
         scale: args.scale.map(|scale| scale as f32),
         keep_feet: !args.no_keep_feet,
         stance: standing_pose(&character.clip),
-    };
-    let about = |cause: RetargetError| {
-        let path = match cause {
-            RetargetError::Target(_) | RetargetError::NoLegs("character") => &args.onto,
-            _ => &args.motion,
+        map: map.map(read).transpose()?,
+    })
+}
+
+/// A motion, who shall move so, and how.
+struct Job<'a> {
+    args: &'a RetargetArgs,
+    clip: &'a Clip,
+    character: &'a Import,
+    options: RetargetOptions,
+}
+
+impl Job<'_> {
+    fn carry_over(&self, format: Format) -> Result<(Retargeted, Baked, Certificate), CliError> {
+        let moved = retarget(self.clip, self.character.clip.skeleton(), &self.options);
+        let mut moved = moved.map_err(|cause| self.about(cause))?;
+        let source = &self.character.source;
+        let baked = bake::bake(moved.clip.clone(), &self.args.bake, &[], (format, source))?;
+        // Poses that are held are meant to stay behind, and are not measured.
+        if self.args.bake.bake != BakeMode::Stepped {
+            moved.clip = baked.clip.clone();
+        }
+        let certificate = Certificate::of(self.clip, &moved);
+        Ok((moved, baked, certificate))
+    }
+
+    fn write_map(&self, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
+        let character = self.character.clip.skeleton();
+        let pairs = suggest(self.clip, character, &self.options).map_err(|cause| self.about(cause))?;
+        run.write(&self.args.out, &joint_map::write(&pairs, self.clip.skeleton(), character)?)?;
+        let record = MapRecord { output: json_path(&self.args.out), pairs: pairs.len() };
+        console.say(format!(
+            "wrote {}: {}; change it and give it with --map",
+            printable::path(&self.args.out),
+            counted(record.pairs, "pair")
+        ))?;
+        console.result(&record)
+    }
+
+    /// An error with the file that it is about.
+    fn about(&self, cause: RetargetError) -> CliError {
+        let path = match (&self.args.map, &cause) {
+            (_, RetargetError::Target(_) | RetargetError::NoLegs("character")) => &self.args.onto,
+            (
+                Some(map),
+                RetargetError::EmptyMap | RetargetError::MapJoint { .. } | RetargetError::MapTwice(_),
+            ) => map,
+            _ => &self.args.motion,
         };
         CliError::Retarget { path: path.clone(), cause: Box::new(cause) }
-    };
-    let mut moved = retarget(clip, character.clip.skeleton(), &options).map_err(about)?;
-    let baked = bake::bake(moved.clip.clone(), &args.bake, &[], (format, &character.source))?;
-    // Poses that are held are meant to stay behind, and are not measured.
-    if args.bake.bake != BakeMode::Stepped {
-        moved.clip = baked.clip.clone();
     }
-    let certificate = Certificate::of(clip, &moved).map_err(about)?;
-    Ok((baked, certificate))
+}
+
+/// What is said of a map that was written; the names are stable.
+#[derive(Serialize)]
+struct MapRecord {
+    output: String,
+    pairs: usize,
 }
 
 /// What the clip is called in a file that names its clips.
@@ -123,13 +180,13 @@ fn name(import: &Import, path: &Path) -> String {
 /// Says before any work whether the results can be written, each to a file of its own.
 fn check_names(args: &RetargetArgs, run: &Run<'_>) -> Result<(), CliError> {
     let places = || {
-        let more = [&args.report, &args.sheet].into_iter().flatten().map(PathBuf::as_path);
+        let more = [&args.report, &args.preview, &args.sheet].into_iter().flatten().map(PathBuf::as_path);
         std::iter::once(args.out.as_path()).chain(more)
     };
     let inputs = [&args.motion, &args.onto].map(|path| clip_path::split(path).0);
     // One file may be both motion and character.
-    for input in &inputs {
-        names::all_differ(std::iter::once(input.as_path()).chain(places()))?;
+    for input in inputs.iter().map(PathBuf::as_path).chain(args.map.as_deref()) {
+        names::all_differ(std::iter::once(input).chain(places()))?;
     }
     for path in places().skip(1) {
         run.check(path)?;
@@ -150,7 +207,11 @@ struct Record {
     seconds: f64,
     keep_feet: bool,
     bake: Option<BakeRecord>,
+    /// The map that was obeyed, where one was given.
+    map: Option<String>,
     certificate: CertificateRecord,
+    /// The file read again and compared, for formats that are read.
+    read_back: Option<ReadBack>,
     warnings: Vec<String>,
 }
 
@@ -159,20 +220,22 @@ impl Record {
         args: &RetargetArgs,
         clip: &Clip,
         (certificate, bake): (CertificateRecord, Option<BakeRecord>),
-        written: bool,
+        read_back: Option<ReadBack>,
         warnings: Vec<String>,
     ) -> Self {
         Self {
             motion: json_path(&args.motion),
             character: json_path(&args.onto),
             output: json_path(&args.out),
-            written,
+            written: !(args.strict && certificate.is_broken()),
             frames: clip.frames(),
             frame_rate: clip.frame_rate(),
             seconds: seconds(clip),
             keep_feet: !args.no_keep_feet,
             bake,
+            map: args.map.as_deref().map(json_path),
             certificate,
+            read_back,
             warnings,
         }
     }

@@ -46,6 +46,9 @@ pub struct Preview<'a> {
 pub enum ControlView<'a> {
     /// A drawn curve: one point for each control frame, x to the right, y up, any unit.
     Curve(&'a [[f64; 2]]),
+    /// No drawing: the result is the source's motion on another character, moment by moment. Its way over the ground, as
+    /// seen from above, one point a frame.
+    Way(&'a [[f64; 2]]),
 }
 
 /// A plan as a picture: `height` rows, one for each step of control time from the first to the last, of `width`

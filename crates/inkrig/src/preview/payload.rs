@@ -47,6 +47,8 @@ pub(super) struct Payload {
 enum Control {
     /// x right, y up, the longer side of the bounding box is 1.
     Curve { points: Vec<[f64; 2]> },
+    /// The same, of a way over the ground.
+    Way { points: Vec<[f64; 2]> },
 }
 
 #[derive(Debug, Serialize)]
@@ -70,7 +72,7 @@ struct Character {
 
 impl Payload {
     pub(super) fn of(preview: &Preview<'_>) -> Self {
-        let ControlView::Curve(points) = preview.control;
+        let (ControlView::Curve(points) | ControlView::Way(points)) = preview.control;
         let step = points.len().div_ceil(MOST_CONTROL_FRAMES).max(1);
         let rate = if preview.control_rate.is_normal() { preview.control_rate.abs() } else { 1.0 };
         let control_seconds = points.len().saturating_sub(1) as f64 / rate;
@@ -89,7 +91,10 @@ impl Payload {
             result_rate: decimals(preview.result.frame_rate(), 3),
             result_frames: preview.result.frames(),
             control_rate: decimals(rate / step as f64, 6),
-            control: Control::Curve { points: normalised(points, step) },
+            control: match preview.control {
+                ControlView::Curve(_) => Control::Curve { points: normalised(points, step) },
+                ControlView::Way(_) => Control::Way { points: normalised(points, step) },
+            },
             sample_rate: decimals(sample_rate / stride as f64, 6),
             guide: preview.guide.map(|guide| GuideData::of(guide, stride)),
             best_source: thinned(preview.best_source, stride, 3),

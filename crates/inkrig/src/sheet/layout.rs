@@ -26,12 +26,22 @@ impl Grid {
         within("the pitch", f64::from(options.pitch), -1.5, 1.5)?;
         let poses =
             options.frames.map_or(options.poses.min(clip.frames()), |frames| frames.len().clamp(1, 10_000));
-        let grid = Self { poses, columns: options.columns.min(poses), cell: options.cell };
-        let [width, height] = grid.size().map(u64::from);
+        Self { poses, columns: options.columns.min(poses), cell: options.cell }.small()
+    }
+
+    /// With two cells for every pose, beside each other.
+    pub(super) fn doubled(self) -> Result<Self, SheetError> {
+        let poses = 2 * self.poses;
+        let columns = self.columns.next_multiple_of(2).min(poses);
+        Self { poses, columns, ..self }.small()
+    }
+
+    fn small(self) -> Result<Self, SheetError> {
+        let [width, height] = self.size().map(u64::from);
         if width * height > MOST_PIXELS {
             return Err(SheetError::TooLarge { width, height, limit: MOST_PIXELS });
         }
-        Ok(grid)
+        Ok(self)
     }
 
     /// Width and height of the sheet in pixels.

@@ -90,7 +90,31 @@ pub enum SheetError {
 pub fn contact_sheet(clip: &Clip, options: &SheetOptions<'_>) -> Result<Vec<u8>, SheetError> {
     let grid = layout::Grid::of(clip, options)?;
     let scene = view::Scene::of(clip, &grid.frames(clip, options), options);
-    paint::sheet(&scene, &grid, options)
+    paint::sheet(std::slice::from_ref(&scene), &grid, options)
+}
+
+/// Draws two clips side by side at the same times, the first one pale, as [`contact_sheet`] draws one: every two cells
+/// are one time. Both have one scale.
+///
+/// # Errors
+/// As [`contact_sheet`].
+pub fn contact_sheet_of_two(
+    beside: &Clip,
+    clip: &Clip,
+    options: &SheetOptions<'_>,
+) -> Result<Vec<u8>, SheetError> {
+    let options = SheetOptions { poses: options.poses.div_ceil(2), ..*options };
+    let single = layout::Grid::of(clip, &options)?;
+    let frames = single.frames(clip, &options);
+    let last = |clip: &Clip| frames.iter().map(|&frame| frame.min(clip.frames() - 1)).collect::<Vec<_>>();
+    let mut scenes =
+        [view::Scene::of(beside, &last(beside), &options), view::Scene::of(clip, &last(clip), &options)];
+    scenes[0].pale = true;
+    let (low, high) = (scenes[0].low.min(scenes[1].low), scenes[0].high.max(scenes[1].high));
+    for scene in &mut scenes {
+        (scene.low, scene.high) = (low, high);
+    }
+    paint::sheet(&scenes, &single.doubled()?, &options)
 }
 
 /// The strokes of a number (digits and a point), its upper left corner at `corner`, `height` pixels high.

@@ -15,16 +15,23 @@ use tiny_skia::{
     SpreadMode, Stroke, Transform,
 };
 
-/// Draws all cells and writes the PNG.
-pub(super) fn sheet(scene: &Scene, grid: &Grid, options: &SheetOptions<'_>) -> Result<Vec<u8>, SheetError> {
+/// Draws all cells and writes the PNG: of one scene, or of several whose poses take turns.
+pub(super) fn sheet(
+    scenes: &[Scene],
+    grid: &Grid,
+    options: &SheetOptions<'_>,
+) -> Result<Vec<u8>, SheetError> {
     let colours = if options.dark { &DARK } else { &LIGHT };
     let [width, height] = grid.size();
     let too_large = || SheetError::Png(format!("no memory for {width} x {height} pixels"));
     let mut page = Pixmap::new(width, height).ok_or_else(too_large)?;
     page.fill(colour(colours.page, 1.0));
     let markers = normalised(options.markers.unwrap_or_default(), 1);
-    let camera = Camera::of(scene, grid);
-    for (index, pose) in scene.poses.iter().enumerate() {
+    let most = scenes.iter().map(|scene| scene.poses.len()).max().unwrap_or(0);
+    let cells = (0..most)
+        .flat_map(|place| scenes.iter().filter_map(move |scene| Some((scene, scene.poses.get(place)?))));
+    for (index, (scene, pose)) in cells.enumerate() {
+        let camera = Camera::of(scene, grid);
         // A cell of its own, so that nothing reaches into the next one.
         let mut cell =
             Cell { pixels: Pixmap::new(grid.cell[0], grid.cell[1]).ok_or_else(too_large)?, colours, camera };
@@ -138,7 +145,7 @@ impl Cell<'_> {
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (depth, limb) in order {
             let haze = (0.5 - 0.9 * depth / scene.body.size).clamp(0.0, 1.0) * 0.34;
-            self.draw_limb(limb, &pose.joints, haze);
+            self.draw_limb(limb, &pose.joints, if scene.pale { 0.55 + 0.3 * haze } else { haze });
         }
     }
 

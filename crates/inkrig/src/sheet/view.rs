@@ -23,6 +23,8 @@ pub(super) struct Scene {
     /// Bounding box of all poses in the picture plane, metres.
     pub(super) low: Vec2,
     pub(super) high: Vec2,
+    /// Drawn pale, as what is compared with.
+    pub(super) pale: bool,
 }
 
 /// One pose as the camera sees it.
@@ -57,7 +59,7 @@ impl Scene {
             })
             .collect();
         let (low, high) = bounds(&body, &poses);
-        Self { body, poses, low, high }
+        Self { body, poses, low, high, pale: false }
     }
 }
 

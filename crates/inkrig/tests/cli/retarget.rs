@@ -39,7 +39,8 @@ fn record(folder: &Path, arguments: &[&str]) -> serde_json::Value {
 fn the_person_moves_alike_under_other_names() {
     let (_keep, folder) = desk();
     renamed(&folder);
-    let more = ["--range", "0s..4s", "--sheet", "s.png", "--report", "r.json", "--strict"];
+    let more =
+        ["--range", "0s..4s", "--sheet", "s.png", "--preview", "p.html", "--report", "r.json", "--strict"];
     let given = [&["person.bvh", "--onto", "other.bvh", "-o", "new.bvh"], &more[..]].concat();
     let told = record(&folder, &given);
     let certificate = &told["certificate"];
@@ -53,6 +54,11 @@ fn the_person_moves_alike_under_other_names() {
         serde_json::from_slice(&std::fs::read(folder.join("r.json")).unwrap()).unwrap();
     assert_eq!(report, told);
     assert!(std::fs::read(folder.join("s.png")).unwrap().starts_with(b"\x89PNG"));
+    let page = std::fs::read_to_string(folder.join("p.html")).unwrap();
+    assert!(page.contains("\"kind\":\"way\"") && page.contains("knees and elbows"));
+    assert_eq!(told["read_back"]["kept"], true, "{}", told["read_back"]);
+    assert_eq!(certificate["hinges"].as_array().unwrap().len(), 4);
+    assert_eq!(certificate["joints"].as_array().unwrap().len(), pairs.len());
 
     // Without its feet held, the same body moves as it did.
     record(&folder, &["person.bvh", "--onto", "other.bvh", "-o", "new.bvh", "--no-keep-feet"]);
@@ -69,6 +75,39 @@ fn the_person_moves_alike_under_other_names() {
         }
     }
     assert!(largest < 5e-3, "{largest} m");
+}
+
+#[test]
+fn a_map_is_written_changed_and_obeyed() {
+    let (_keep, folder) = desk();
+    renamed(&folder);
+    let base = ["person.bvh", "--onto", "other.bvh"];
+    let suggested = record(&folder, &[&base[..], &["--suggest-map", "-o", "map.json"]].concat());
+    assert!(suggested["pairs"].as_u64().unwrap() > 15, "{suggested}");
+    let map = || [&base[..], &["--map", "map.json", "-o", "new.bvh", "--range", "0s..2s"]].concat();
+    let told = record(&folder, &map());
+    assert_eq!(told["certificate"]["verdict"], "pass");
+    let plain = [&base[..], &["-o", "plain.bvh", "--range", "0s..2s"]].concat();
+    record(&folder, &plain);
+    let bytes = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    assert_eq!(bytes("new.bvh"), bytes("plain.bvh"), "what was found, written and read");
+    // An arm that shall rest is taken out.
+    let text = std::fs::read_to_string(folder.join("map.json")).unwrap();
+    let mut file: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let joints = file["joints"].as_array_mut().unwrap();
+    joints.retain(|entry| !entry["motion"].as_str().unwrap().starts_with("LeftForeArm"));
+    std::fs::write(folder.join("map.json"), file.to_string()).unwrap();
+    let told = record(&folder, &map());
+    assert_eq!(told["certificate"]["unmapped"], serde_json::json!(["lowerarm_l"]));
+    std::fs::write(folder.join("map.json"), text.replace("\"LeftArm\"", "\"LeftArn\"")).unwrap();
+    let done = inkrig(&folder, &[&["retarget"], &map()[..]].concat());
+    let said = text_of(&done.stderr);
+    assert!(said.contains("no joint LeftArn") && said.contains("LeftArm"), "{said}");
+}
+
+/// What was said, lines joined.
+fn text_of(bytes: &[u8]) -> String {
+    text(bytes).split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
 }
 
 #[test]

@@ -31,6 +31,7 @@ function fillTexts() {
   element("time").max = Math.max(data.seconds, 1e-6);
   for (const id of ["time", "play", "back", "next"]) element(id).disabled = !(data.seconds > 0);
   element("ghost").hidden = !views.stage.hasGhost;
+  if (data.control.kind === "way") nameWay();
   for (const key of document.querySelectorAll(".key")) key.hidden = !data.result.pair;
   document.querySelector(".plan").classList.toggle("empty", data.heatMap.values.length === 0);
   element("ramp").parentElement.hidden = data.bestSource.length === 0;
@@ -39,6 +40,15 @@ function fillTexts() {
   document.querySelector("main").classList.toggle("guided", views.map.spots.length > 0);
   showMapText(null);
   fillReport();
+}
+
+/** Nothing was drawn: a motion was carried over to another character. */
+function nameWay() {
+  element("curve-heading").textContent = "Way over the ground";
+  element("curve").setAttribute("aria-label", "The way over the ground, from above. Its colours tell the time.");
+  element("ghost").textContent = "Motion";
+  element("ghost").title = "Show the motion that was carried over, in the result's size, beside it (G)";
+  element("plan-heading").textContent = "Time";
 }
 
 function fillReport() {
@@ -102,7 +112,7 @@ function draw() {
 
 /** Which part of the clip is used now, and how sure that is. */
 function drawNow(now) {
-  const moment = sourceAt(data, now);
+  const moment = data.control.kind === "way" ? null : sourceAt(data, now);
   if (moment === null) return;
   element("swatch").style.background = css(rampAt(views.plan.table, sourcePart(data, moment)));
   const confidence = confidenceAt(data, now);
