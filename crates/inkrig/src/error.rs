@@ -7,7 +7,7 @@ use crate::printable;
 use crate::sheet::SheetError;
 use inkrig_align::AlignError;
 use inkrig_formats::FormatError;
-use inkrig_generate::CheckpointError;
+use inkrig_generate::{CheckpointError, GenerateError};
 use inkrig_motion::MotionError;
 use inkrig_motion::retarget::RetargetError;
 use inkrig_sketch::SketchError;
@@ -224,6 +224,77 @@ pub enum CliError {
         path: PathBuf,
         /// What is wrong.
         cause: Box<CheckpointError>,
+    },
+    /// No model was named.
+    #[error("a model is needed: give --model FILE.safetensors, or set INKRIG_MODEL to one")]
+    #[diagnostic(help(
+        "none comes with this program yet; inkrig model import makes one of published weights (see inkrig model import --help)"
+    ))]
+    NoModel,
+    /// A model that takes text from another one.
+    #[error(
+        "{}: this model takes its text from {what}: give --text-model with a folder that has it",
+        printable::path(path)
+    )]
+    #[diagnostic(help(
+        "config.json, tokenizer.json and model.safetensors as they are published; for Sentence-T5 also 2_Dense/model.safetensors"
+    ))]
+    NoTextModel {
+        /// The model.
+        path: PathBuf,
+        /// What it takes text from.
+        what: &'static str,
+    },
+    /// Conditions for a model without networks for them.
+    #[error(
+        "{}: this model follows words only: it has no networks for --keypose3d and --trajectory3d",
+        printable::path(path)
+    )]
+    NoControl {
+        /// The model.
+        path: PathBuf,
+    },
+    /// Steps that a model was not made for.
+    #[error(
+        "{}: {}", printable::path(path),
+        if *distilled {
+            "this model was distilled for few steps: give --steps 1, 2 or 4"
+        } else {
+            "this model was not distilled for few steps: give --steps ddim, or leave it out"
+        }
+    )]
+    StepsOfModel {
+        /// The model.
+        path: PathBuf,
+        /// Whether it was made for few.
+        distilled: bool,
+    },
+    /// A length that a model cannot make.
+    #[error("--length is {frames} frames of 20 a second, but {} makes 2 to {most}", printable::path(path))]
+    LengthOfModel {
+        /// The model.
+        path: PathBuf,
+        /// What was asked for.
+        frames: usize,
+        /// The longest that it makes.
+        most: usize,
+    },
+    /// A model that nothing can be made with, or not what was asked for.
+    #[error("{}: {}", printable::path(path), printable::text(cause))]
+    Generate {
+        /// The model.
+        path: PathBuf,
+        /// Why.
+        cause: Box<GenerateError>,
+    },
+    /// A key pose or a trajectory that cannot be used.
+    #[error("{}: {}", printable::path(path), printable::text(cause))]
+    #[diagnostic(help("inkrig generate --help says how such files are written"))]
+    Condition {
+        /// The file.
+        path: PathBuf,
+        /// Where and what.
+        cause: String,
     },
     /// A motion cannot be put on another character.
     #[error("{}: {}", printable::path(path), printable::text(cause))]

@@ -17,6 +17,8 @@ mod demo;
 mod explain;
 #[path = "cli/files.rs"]
 mod files;
+#[path = "cli/generate.rs"]
+mod generate;
 #[path = "cli/keys.rs"]
 mod keys;
 #[path = "cli/model.rs"]
@@ -193,7 +195,13 @@ fn errors_say_where_and_what_to_do() {
 #[test]
 fn help_has_examples_and_completions_are_printed() {
     let folder = tempfile::tempdir().unwrap();
-    for command in [&["--help"][..], &["align", "--help"], &["demo", "--help"], &["inspect", "--help"]] {
+    for command in [
+        &["--help"][..],
+        &["align", "--help"],
+        &["demo", "--help"],
+        &["inspect", "--help"],
+        &["generate", "--help"],
+    ] {
         assert!(text(&inkrig(folder.path(), command).stdout).contains("Example"), "{command:?}");
     }
     for shell in ["bash", "zsh", "fish", "powershell"] {

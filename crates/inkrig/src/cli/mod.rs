@@ -5,6 +5,7 @@ mod bake;
 mod bench;
 mod convert;
 mod data;
+mod generate;
 mod model;
 mod redo;
 mod retarget;
@@ -17,6 +18,7 @@ pub use bake::{BakeArgs, BakeMode, Hold, Tolerance};
 pub use bench::{BenchAlignArgs, BenchArgs, BenchCommand};
 pub use convert::{ConvertArgs, ToArg};
 pub use data::{CorpusArgs, DataArgs, DataCommand};
+pub use generate::{GenerateArgs, GuidanceArg, StepsArg};
 pub use model::{ModelArgs, ModelCommand, ModelImportArgs, ModelInspectArgs, TextArg};
 pub use redo::RedoArgs;
 pub use retarget::RetargetArgs;
@@ -60,6 +62,9 @@ pub enum Command {
     /// Write motion files in other formats, one or many
     #[command(after_help = convert::EXAMPLES)]
     Convert(Box<ConvertArgs>),
+    /// Make a motion of a word, a key pose and trajectories, with a model file
+    #[command(after_help = generate::EXAMPLES)]
+    Generate(Box<GenerateArgs>),
     /// Make model files of published weights, and say what is in one
     Model(ModelArgs),
     /// Put a motion on another character, and say how exact it is

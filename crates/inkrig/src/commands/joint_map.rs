@@ -154,11 +154,15 @@ impl Names {
 
     /// Up to three names that are most like one.
     fn nearest(&self, name: &str) -> Vec<&str> {
-        let mut order: Vec<(usize, &str)> =
-            self.0.iter().map(|own| (edits(&lower(own), &lower(name)), own.as_str())).collect();
-        order.sort();
-        order.into_iter().take(3).map(|(_, name)| name).collect()
+        nearest_names(self.0.iter().map(String::as_str), name)
     }
+}
+
+/// Up to three of some names that are most like one.
+pub(super) fn nearest_names<'a>(names: impl Iterator<Item = &'a str>, name: &str) -> Vec<&'a str> {
+    let mut order: Vec<(usize, &str)> = names.map(|own| (edits(&lower(own), &lower(name)), own)).collect();
+    order.sort();
+    order.into_iter().take(3).map(|(_, name)| name).collect()
 }
 
 fn lower(name: &str) -> Vec<char> {

@@ -1,0 +1,88 @@
+//! What can be said to `inkrig generate`.
+
+use crate::numbers;
+use crate::span::Length;
+use clap::{Args, ValueEnum, ValueHint};
+use std::path::PathBuf;
+
+pub(super) const EXAMPLES: &str = r#"Examples:
+  inkrig generate --model kicks.safetensors --word kick -o kick.bvh
+      two seconds of a kick; another --seed is another kick
+  inkrig generate --model kicks.safetensors --word kick --keypose3d pose.json --trajectory3d foot.json -o kick.glb
+      with the pose of one frame, and the way of a joint
+  INKRIG_MODEL=kicks.safetensors inkrig generate --word "walk and jump" --length 3s --seed 7 -o jump.bvh
+
+pose.json is a list of 22 points [x, y, z], or {"frame": 12, "joints": [22 points]}.
+foot.json is {"joint": "right_foot", "points": [[0.1, 0.05, 0], ...]}, a point a frame from the first on, or with
+"frames": [0, 5, 10] only at those; or a list of such, for several joints. Metres, y up; 20 frames a second; the motion
+begins above the origin and faces +z. Joints, by name or number from 0: pelvis, left_hip, right_hip, spine1, left_knee,
+right_knee, spine2, left_ankle, right_ankle, spine3, left_foot, right_foot, neck, left_collar, right_collar, head,
+left_shoulder, right_shoulder, left_elbow, right_elbow, left_wrist, right_wrist.
+
+inkrig model import makes model files of published weights. No OUT.inkrig.json is written: --report has all that was used."#;
+
+/// Arguments of `inkrig generate`.
+#[derive(Debug, Args)]
+pub struct GenerateArgs {
+    /// The model file [default: the one that INKRIG_MODEL names]
+    #[arg(long, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
+    pub model: Option<PathBuf>,
+    /// What is done: kick, or "walk and turn"
+    #[arg(long, value_name = "TEXT")]
+    pub word: String,
+    /// A pose that one frame shall have: 22 points in space
+    #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
+    pub keypose3d: Option<PathBuf>,
+    /// Where joints shall pass: points in space
+    #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
+    pub trajectory3d: Option<PathBuf>,
+    /// The file to write: .bvh, .glb, .fbx, .usda
+    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
+    pub out: PathBuf,
+    /// Which of the motions: the same seed gives the same
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Steps from noise to motion: ddim (50), or 1, 2 or 4 of a model that was distilled for few [default: ddim or 2]
+    #[arg(long)]
+    pub steps: Option<StepsArg>,
+    /// How long: frames of 20 a second (40), or seconds (2s)
+    #[arg(long, visible_alias = "frames", value_name = "LENGTH", default_value = "40", value_parser = numbers::length, allow_negative_numbers = true)]
+    pub length: Length,
+    /// Whether the motion is drawn to the trajectory at every step [default: soft]
+    #[arg(long)]
+    pub guidance: Option<GuidanceArg>,
+    /// For models that take T5's or CLIP's text: a folder with its config.json, tokenizer.json and model.safetensors
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub text_model: Option<PathBuf>,
+    /// Write what was made of what, and how well conditions are met, as JSON
+    #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
+    pub report: Option<PathBuf>,
+    /// Replace files that are there already
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Steps from noise to motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum StepsArg {
+    /// One of a distilled model.
+    #[value(name = "1")]
+    One,
+    /// Two of a distilled model.
+    #[value(name = "2")]
+    Two,
+    /// Four of a distilled model.
+    #[value(name = "4")]
+    Four,
+    /// Fifty, of a model that was not distilled.
+    Ddim,
+}
+
+/// How trajectories are met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum GuidanceArg {
+    /// By what the networks have learned only.
+    Off,
+    /// Drawn to them at every step.
+    Soft,
+}

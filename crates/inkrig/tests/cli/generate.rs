@@ -1,0 +1,214 @@
+//! `inkrig generate` on the command line, with a tiny model of random weights.
+
+use crate::{inkrig, text};
+use inkrig::formats::{ImportOptions, read_bvh};
+use inkrig::motion::kinematics;
+use inkrig_generate::checkpoint::{Listed, ModelHeader, ModelStatistics, NumberKind, write_model};
+use inkrig_generate::configuration::TextEncoderKind;
+use inkrig_generate::networks::{Parts, Sizes};
+use inkrig_generate::sampling::Semantics;
+use inkrig_generate::text::{VERBS, VerbTable};
+use inkrig_generate::weights::{Tensor, hashed};
+use inkrig_motion::humanml::{JOINTS, NAMES, RAW_DIRECTIONS, WIDTH};
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const WORD: [&str; 7] = ["generate", "--model", "m.safetensors", "--word", "kick", "-o", "k.bvh"];
+
+fn header(guidance_width: usize) -> ModelHeader {
+    let sizes = Sizes { guidance_width, ..Sizes::tiny() };
+    let statistics = ModelStatistics {
+        mean: vec![0.0; WIDTH],
+        std: vec![0.05; WIDTH],
+        mean_raw: vec![0.1; 3 * JOINTS],
+        std_raw: vec![0.5; 3 * JOINTS],
+    };
+    ModelHeader {
+        statistics: Some(statistics),
+        skeleton: Some(RAW_DIRECTIONS.map(|direction| (0.2 * direction).to_array()).to_vec()),
+        licence: "CC0-1.0".into(),
+        ..ModelHeader::new("tiny", sizes, Semantics::Paper, TextEncoderKind::Verbs)
+    }
+}
+
+fn model(header: &ModelHeader, parts: Parts) -> Vec<u8> {
+    let (mut weights, width) = (hashed(&header.sizes, parts), header.sizes.text_width);
+    let verbs = (0..VERBS.len() * width).map(|at| (at as f32 * 0.7).sin()).collect();
+    weights.insert(VerbTable::VERBS, Tensor::new(vec![VERBS.len(), width], verbs).unwrap());
+    weights.insert(VerbTable::NOTHING, Tensor::new(vec![width], vec![0.1; width]).unwrap());
+    let listed: Vec<Listed> = weights
+        .iter()
+        .map(|(name, tensor)| Listed {
+            name: name.into(),
+            kind: NumberKind::F32,
+            shape: tensor.shape().to_vec(),
+        })
+        .collect();
+    let mut file = Cursor::new(Vec::new());
+    write_model(&mut file, header, &listed, |at| Ok(weights.get(&listed[at].name).unwrap().clone())).unwrap();
+    file.into_inner()
+}
+
+/// A folder with a model that was not distilled.
+fn studio() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().to_path_buf();
+    std::fs::write(path.join("m.safetensors"), model(&header(0), Parts::ALL)).unwrap();
+    (folder, path)
+}
+
+/// What is refused, without its line ends; nothing is written.
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let output = inkrig(folder, arguments);
+    let said = text(&output.stderr).replace(['\n', '│', ' '], "");
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {said}");
+    assert!(!said.contains("panicked") && !folder.join("k.bvh").exists(), "{arguments:?}: {said}");
+    said
+}
+
+#[test]
+fn a_word_becomes_a_motion_and_the_seed_says_which() {
+    let (_keep, folder) = studio();
+    let made = |more: &[&str]| {
+        let output = inkrig(&folder, &[&WORD, more, &["--force"]].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        (std::fs::read(folder.join("k.bvh")).unwrap(), text(&output.stdout))
+    };
+    let (first, said) = made(&[]);
+    assert!(said.contains("wrote k.bvh: 2.0 s, 40 frames at 20 a second; model tiny, seed 0"), "{said}");
+    assert!(said.contains("licence of the model: CC0-1.0"), "{said}");
+    let clip = read_bvh(&first, &ImportOptions::default()).unwrap().clip;
+    assert_eq!((clip.frames(), clip.frame_rate().round()), (40, 20.0));
+    let names: Vec<&str> = clip.skeleton().joints().iter().map(|joint| joint.name.as_str()).collect();
+    assert!(NAMES.iter().all(|name| names.contains(name)), "{names:?}");
+    assert_eq!(made(&["--seed", "0"]).0, first);
+    assert_ne!(made(&["--seed", "1"]).0, first);
+    let other = ["generate", "--word", "a person is walking", "-o", "walk.bvh"];
+    let run = Command::new(env!("CARGO_BIN_EXE_inkrig"))
+        .current_dir(&folder)
+        .env("INKRIG_MODEL", "m.safetensors")
+        .args(other)
+        .output();
+    assert!(run.unwrap().status.success());
+    assert_ne!(std::fs::read(folder.join("walk.bvh")).unwrap(), first);
+    let short = read_bvh(&made(&["--frames", "1s"]).0, &ImportOptions::default()).unwrap().clip;
+    assert_eq!(short.frames(), 20);
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 3, "nothing else is left behind");
+}
+
+#[test]
+fn conditions_move_the_motion_and_guidance_brings_it_nearer() {
+    let (_keep, folder) = studio();
+    let pose = serde_json::json!({ "frame": 12, "joints": vec![[0.2, 0.9, 0.1]; JOINTS] });
+    std::fs::write(folder.join("pose.json"), pose.to_string()).unwrap();
+    let way = serde_json::json!({ "joint": "right_foot", "frames": [0, 20, 39], "points": vec![[0.1, 0.4, 0.2]; 3] });
+    std::fs::write(folder.join("way.json"), way.to_string()).unwrap();
+    let made = |out: &str, more: &[&str]| {
+        let both =
+            ["--keypose3d", "pose.json", "--trajectory3d", "way.json", "--report", "r.json", "--force"];
+        let base = ["generate", "--model", "m.safetensors", "--word", "kick", "-o", out];
+        let output = inkrig(&folder, &[&base, &both[..], more].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        serde_json::from_slice::<serde_json::Value>(&std::fs::read(folder.join("r.json")).unwrap()).unwrap()
+    };
+    let (soft, off) = (made("soft.bvh", &[]), made("off.bvh", &["--guidance", "off"]));
+    let error = |report: &serde_json::Value| report["trajectory"]["mean_error_metres"].as_f64().unwrap();
+    assert!(error(&soft) < 0.9 * error(&off), "{} {}", error(&soft), error(&off));
+    assert_eq!(
+        (&soft["sampler"], &soft["steps"], &soft["actions"][0]),
+        (&"ddim".into(), &50.into(), &"kick".into())
+    );
+    assert_eq!((&off["trajectory"]["guided"], &off["trajectory"]["evaluations"]), (&false.into(), &0.into()));
+    // What the report says is what stands in the file.
+    let options = ImportOptions { metres_per_unit: Some(0.01), ..ImportOptions::default() };
+    let clip = read_bvh(&std::fs::read(folder.join("soft.bvh")).unwrap(), &options).unwrap().clip;
+    let foot = clip.skeleton().joints().iter().position(|joint| joint.name == "right_foot").unwrap();
+    let places = kinematics::positions(&clip);
+    let wanted = inkrig_motion::glam::Vec3::new(0.1, 0.4, 0.2);
+    let mean = [0, 20, 39].map(|frame| places.frame(frame)[foot].distance(wanted)).iter().sum::<f32>() / 3.0;
+    assert!((f64::from(mean) - error(&soft)).abs() < 1e-3, "{mean} {}", error(&soft));
+    let glb = made("k.glb", &["--json"]);
+    assert_eq!(glb["read_back"]["kept"], true);
+    assert_ne!(
+        std::fs::read(folder.join("soft.bvh")).unwrap(),
+        std::fs::read(folder.join("off.bvh")).unwrap()
+    );
+}
+
+#[test]
+fn a_distilled_model_takes_few_steps_and_no_other() {
+    let (_keep, folder) = studio();
+    assert!(refused(&folder, &[&WORD[..], &["--steps", "2"]].concat()).contains("notdistilled"));
+    std::fs::write(folder.join("m.safetensors"), model(&header(16), Parts::ALL)).unwrap();
+    assert!(refused(&folder, &[&WORD[..], &["--steps", "ddim"]].concat()).contains("--steps1,2or4"));
+    for (out, steps) in [("1.bvh", "1"), ("2.bvh", "2"), ("4.bvh", "4")] {
+        let base = ["generate", "--model", "m.safetensors", "--word", "kick", "-o", out, "--steps", steps];
+        assert!(inkrig(&folder, &base).status.success());
+    }
+    let read = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    assert_ne!(read("1.bvh"), read("2.bvh"));
+    let usual = ["generate", "--model", "m.safetensors", "--word", "kick", "-o", "u.bvh"];
+    assert!(inkrig(&folder, &usual).status.success());
+    assert_eq!(read("u.bvh"), read("2.bvh"));
+}
+
+#[test]
+fn what_is_wrong_with_words_and_conditions_is_said() {
+    let (_keep, folder) = studio();
+    let write = |name: &str, content: &str| std::fs::write(folder.join(name), content).unwrap();
+    write("nan.json", &format!("[[NaN,0,0]{}]", ",[0,0,0]".repeat(21)));
+    write("few.json", "[[0,0,0]]");
+    write("late.json", r#"{"joint": "head", "frames": [40], "points": [[0,1,0]]}"#);
+    write("joint.json", r#"{"joint": "rihgt_foot", "points": [[0,1,0]]}"#);
+    write("empty.json", "");
+    let more = |more: &[&'static str]| [&WORD[..], more].concat();
+    for (arguments, part) in [
+        (more(&["--keypose3d", "nan.json"]), "nan.json:"),
+        (more(&["--keypose3d", "few.json"]), "1joints,butaposehas22"),
+        (more(&["--keypose3d", "empty.json"]), "empty.json:"),
+        (more(&["--trajectory3d", "late.json"]), "frame40isbeyondthemotion"),
+        (more(&["--trajectory3d", "joint.json"]), "nearestnamesareright_foot"),
+        (more(&["--trajectory3d", "no.json"]), "no.json"),
+        (more(&["--guidance", "soft"]), "--guidancedoesnothing"),
+        (more(&["--length", "63"]), "makes2to62"),
+        (more(&["--text-model", "."]), "--text-modeldoesnothing"),
+        (
+            ["generate", "--model", "m.safetensors", "--word", "kikc", "-o", "k.bvh"].to_vec(),
+            "nearonesare:kick",
+        ),
+        (["generate", "--model", "m.safetensors", "--word", "kick", "-o", "k.obj"].to_vec(), "k.obj"),
+        (
+            ["generate", "--model", "m.safetensors", "--word", "kick", "-o", "m.safetensors"].to_vec(),
+            "toldfromitsname",
+        ),
+    ] {
+        let said = refused(&folder, &arguments);
+        assert!(said.contains(part), "{arguments:?}: no {part} in {said}");
+    }
+}
+
+#[test]
+fn models_that_cannot_be_used_are_refused_with_what_is_needed() {
+    let (_keep, folder) = studio();
+    let base = header(0);
+    let with = |bytes: Vec<u8>| std::fs::write(folder.join("m.safetensors"), bytes).unwrap();
+    with(model(&ModelHeader { statistics: None, ..base.clone() }, Parts::ALL));
+    assert!(refused(&folder, &WORD).contains("ithasnostatistics:importitoncemore,with--stats"));
+    with(model(&ModelHeader { skeleton: None, ..base.clone() }, Parts::ALL));
+    assert!(refused(&folder, &WORD).contains("ithasnoskeleton"));
+    with(model(&ModelHeader { text: TextEncoderKind::SentenceT5, ..base.clone() }, Parts::ALL));
+    assert!(refused(&folder, &WORD).contains("give--text-modelwithafolder"));
+    let whole = model(&base, Parts::ALL);
+    with(whole[..whole.len() - 5].to_vec());
+    assert!(refused(&folder, &WORD).contains("m.safetensors:"));
+    with(model(&base, Parts { control: false, control_2d: false, ..Parts::ALL }));
+    std::fs::write(folder.join("way.json"), r#"{"joint": 0, "points": [[0, 1, 0]]}"#).unwrap();
+    assert!(
+        refused(&folder, &[&WORD[..], &["--trajectory3d", "way.json"]].concat()).contains("followswordsonly")
+    );
+    assert!(inkrig(&folder, &WORD).status.success());
+    std::fs::remove_file(folder.join("k.bvh")).unwrap();
+    let said = refused(&folder, &["generate", "--word", "kick", "-o", "k.bvh"]);
+    assert!(said.contains("--modelFILE.safetensors,orsetINKRIG_MODEL"), "{said}");
+}
