@@ -219,7 +219,7 @@ mod tests {
         };
         assert_eq!(
             of("leftarm2", "\"Hips\""),
-            "the motion has no joint leftarm2; the nearest names are LeftArm, RightArm, LeftForeArm"
+            "the motion has no joint leftarm2; the nearest names are LeftArm, LeftForeArm, RightArm"
         );
         assert!(
             of("Hips", "[\"Hps\"]")
