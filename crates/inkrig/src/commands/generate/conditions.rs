@@ -156,7 +156,8 @@ mod tests {
         for (text, part) in [
             (pose("[NaN,0,0]"), "line 1"),
             (pose("[1e999,0,0]"), "out of range"),
-            (pose("[1e300,0,0]"), "at most 1000"),
+            (pose("[1e300,0,0]"), "out of range"),
+            (pose("[1e30,0,0]"), "pelvis is at"),
             (pose("[1,2]"), "length 2"),
             ("[]".into(), "0 joints, but a pose has 22"),
             (String::new(), "line 1"),
