@@ -2,8 +2,10 @@
 
 use crate::error::CliError;
 use crate::provenance::licence::{LicenceNote, of_bytes};
-use crate::provenance::sha256;
+use crate::provenance::{sha256, sha256_of};
 use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::Seek;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -54,20 +56,46 @@ pub(crate) fn read() -> Vec<InputFile> {
 /// When a run is repeated that has not read this file, or not with this content.
 pub(crate) fn note(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
     let name = path.to_string_lossy().into_owned();
-    let mut journal = lock();
+    let journal = lock();
     if journal.only.is_none() && journal.read.iter().any(|input| input.path == name) {
         return Ok(());
     }
-    let sha256 = sha256(bytes);
-    if let Some(only) = &journal.only {
-        let known = only.iter().any(|input| input.path == name && input.sha256 == sha256);
-        if !known {
-            return Err(CliError::OtherInput { path: path.to_path_buf() });
-        }
+    drop(journal);
+    let (sha256, licences) = (sha256(bytes), of_bytes(path, bytes));
+    keep(InputFile { path: name, bytes: bytes.len() as u64, sha256, licences })
+}
+
+/// Opens a file that is too large to be held, notes its hash, and stands at its beginning again.
+///
+/// # Errors
+/// When it cannot be read; else as [`note`].
+pub(crate) fn open_large(path: &Path) -> Result<File, CliError> {
+    let read = |cause| CliError::Read { path: path.to_path_buf(), cause };
+    let mut file = File::open(path).map_err(read)?;
+    let (bytes, sha256) = sha256_of(&mut file).map_err(read)?;
+    file.rewind().map_err(read)?;
+    let path = path.to_string_lossy().into_owned();
+    keep(InputFile { path, bytes, sha256, licences: Vec::new() })?;
+    Ok(file)
+}
+
+/// Notes what a file that was read says of its use itself.
+pub(crate) fn add_licence(path: &Path, note: &LicenceNote) {
+    let name = path.to_string_lossy();
+    lock().read.iter_mut().filter(|input| input.path == name).for_each(|input| {
+        input.licences.push(note.clone());
+    });
+}
+
+fn keep(file: InputFile) -> Result<(), CliError> {
+    let mut journal = lock();
+    if let Some(only) = &journal.only
+        && !only.iter().any(|input| input.path == file.path && input.sha256 == file.sha256)
+    {
+        return Err(CliError::OtherInput { path: file.path.into() });
     }
-    if !journal.read.iter().any(|input| input.path == name) {
-        let licences = of_bytes(path, bytes);
-        journal.read.push(InputFile { path: name, bytes: bytes.len() as u64, sha256, licences });
+    if !journal.read.iter().any(|input| input.path == file.path) {
+        journal.read.push(file);
     }
     Ok(())
 }

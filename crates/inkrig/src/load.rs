@@ -137,18 +137,3 @@ fn bytes(path: &Path, most: usize) -> Result<Vec<u8>, CliError> {
     inputs::note(path, &bytes)?;
     Ok(bytes)
 }
-
-/// The bytes of a file of known size that is only compared.
-///
-/// # Errors
-/// When it cannot be read or is larger.
-pub(crate) fn any_bytes(path: &Path, size: u64) -> Result<Vec<u8>, CliError> {
-    let most = ImportOptions::default().limits.bytes;
-    let read = |cause| CliError::Read { path: path.to_path_buf(), cause };
-    if size > most as u64 {
-        return Err(CliError::TooLarge { path: path.to_path_buf(), most });
-    }
-    let mut bytes = Vec::new();
-    File::open(path).map_err(read)?.take(size.saturating_add(1)).read_to_end(&mut bytes).map_err(read)?;
-    Ok(bytes)
-}

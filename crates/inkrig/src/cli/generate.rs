@@ -1,5 +1,6 @@
 //! What can be said to `inkrig generate`.
 
+use super::SidecarArgs;
 use crate::numbers;
 use crate::span::Length;
 use clap::{Args, ValueEnum, ValueHint};
@@ -19,7 +20,7 @@ begins above the origin and faces +z. Joints, by name or number from 0: pelvis, 
 right_knee, spine2, left_ankle, right_ankle, spine3, left_foot, right_foot, neck, left_collar, right_collar, head,
 left_shoulder, right_shoulder, left_elbow, right_elbow, left_wrist, right_wrist.
 
-inkrig model import makes model files of published weights. No OUT.inkrig.json is written: --report has all that was used."#;
+inkrig model import makes model files of published weights."#;
 
 /// Arguments of `inkrig generate`.
 #[derive(Debug, Args)]
@@ -60,6 +61,9 @@ pub struct GenerateArgs {
     /// Replace files that are there already
     #[arg(long)]
     pub force: bool,
+    #[command(flatten)]
+    /// The record beside the result.
+    pub sidecar: SidecarArgs,
 }
 
 /// Steps from noise to motion.

@@ -40,7 +40,7 @@ pub fn run(cli: Cli, matches: &ArgMatches) -> Result<(), CliError> {
         Command::Bench(args) => bench::run(&args, &console),
         Command::Convert(args) => convert::run(&args, &run(args.force), &console),
         Command::Data(args) => data::run(&args, &console),
-        Command::Generate(args) => generate::run(&args, &console),
+        Command::Generate(args) => generate::run(&args, &run(args.force), &console),
         Command::Retarget(args) => retarget::run(&args, &run(args.force), &console),
         Command::Demo(args) => demo::run(&args, &console),
         Command::Redo(args) => redo::run(&args, &console),

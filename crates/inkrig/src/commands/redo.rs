@@ -1,19 +1,20 @@
 //! `inkrig redo`: a result made again from the record beside it, and compared.
 
-use super::{align, convert, retarget};
+use super::{align, convert, generate, retarget};
 use crate::cli::{Cli, Command, RedoArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::inputs::{self, InputFile};
 use crate::output::Output;
 use crate::printable::{self, json_path};
-use crate::provenance::{self, Arguments, Run, Sidecar, Sink, sha256};
+use crate::provenance::{self, Arguments, Run, Sidecar, Sink, sha256, sha256_of};
 use crate::{load, names};
 use clap::{CommandFactory, FromArgMatches};
 use inkrig_transport::Isa;
 use serde::Serialize;
 use std::cell::RefCell;
 use std::ffi::OsString;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &RedoArgs, console: &Console) -> Result<(), CliError> {
@@ -162,7 +163,8 @@ impl Redo<'_> {
                     input.bytes
                 )));
             }
-            if sha256(&load::any_bytes(path, input.bytes)?) != input.sha256 {
+            let file = File::open(path).and_then(|mut file| sha256_of(&mut file));
+            if file.map_err(|cause| CliError::Read { path: path.into(), cause })?.1 != input.sha256 {
                 return Err(wrong("this input has changed, though it is as long as it was".into()));
             }
         }
@@ -204,6 +206,7 @@ impl Redo<'_> {
         match cli.command {
             Command::Align(args) => align::run(&args, &run, &quiet)?,
             Command::Convert(args) => convert::run(&args, &run, &quiet)?,
+            Command::Generate(args) => generate::run(&args, &run, &quiet)?,
             Command::Retarget(args) => retarget::run(&args, &run, &quiet)?,
             _ => {}
         }

@@ -3,6 +3,7 @@
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, CommandFactory};
 use serde_json::{Map, Value};
+use std::path::Path;
 
 /// Arguments that take no part in what a motion is: where results go, what else is written, how fast.
 const OTHERS: [&str; 13] = [
@@ -40,6 +41,18 @@ impl Arguments {
         let mut all = Self { command: name.to_string(), ..Self::default() };
         for (long, arg) in options(&crate::cli::Cli::command(), name) {
             all.add(&long, &arg, matches);
+        }
+        all
+    }
+
+    /// The same with one option more, where `given` says so: one that was not said on the command line.
+    pub(crate) fn with_option(&self, long: &str, path: &Path, given: bool) -> Self {
+        let mut all = self.clone();
+        if given && !all.options.iter().any(|option| option.starts_with(&format!("--{long}="))) {
+            let value = path.to_string_lossy();
+            all.not_text |= path.to_str().is_none();
+            all.options.push(format!("--{long}={value}"));
+            all.values.insert(long.into(), value.into());
         }
         all
     }

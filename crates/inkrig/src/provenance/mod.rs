@@ -179,14 +179,20 @@ pub(crate) fn build() -> String {
 
 fn own_hash() -> Option<String> {
     let mut file = std::fs::File::open(std::env::current_exe().ok()?).ok()?;
-    let mut hash = Sha256::new();
+    Some(sha256_of(&mut file).ok()?.1)
+}
+
+/// Length and hash of what is too large to be held.
+pub(crate) fn sha256_of(file: &mut impl Read) -> std::io::Result<(u64, String)> {
+    let (mut hash, mut bytes) = (Sha256::new(), 0);
     let mut piece = vec![0; 1 << 20];
     loop {
-        let count = file.read(&mut piece).ok()?;
+        let count = file.read(&mut piece)?;
         let Some(read) = piece.get(..count).filter(|read| !read.is_empty()) else { break };
         hash.update(read);
+        bytes += count as u64;
     }
-    Some(hex(&hash.finalize()))
+    Ok((bytes, hex(&hash.finalize())))
 }
 
 /// The hash of some bytes, 64 digits.

@@ -51,7 +51,7 @@ pub(crate) struct OutputFile {
 }
 
 /// Commands that make a motion.
-const COMMANDS: [&str; 3] = ["align", "convert", "retarget"];
+const COMMANDS: [&str; 4] = ["align", "convert", "generate", "retarget"];
 
 /// Largest record that is read, bytes.
 const MOST_BYTES: u64 = 4 << 20;

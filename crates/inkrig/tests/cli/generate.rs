@@ -94,7 +94,31 @@ fn a_word_becomes_a_motion_and_the_seed_says_which() {
     assert_ne!(std::fs::read(folder.join("walk.bvh")).unwrap(), first);
     let short = read_bvh(&made(&["--frames", "1s"]).0, &ImportOptions::default()).unwrap().clip;
     assert_eq!(short.frames(), 20);
-    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 3, "nothing else is left behind");
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 5, "nothing else but records is left behind");
+}
+
+#[test]
+fn motions_are_made_again_from_their_records() {
+    let (_keep, folder) = studio();
+    let way = serde_json::json!({ "joint": 11, "frames": [3], "points": [[0.1, 0.4, 0.2]] });
+    std::fs::write(folder.join("way.json"), way.to_string()).unwrap();
+    let run = Command::new(env!("CARGO_BIN_EXE_inkrig"))
+        .current_dir(&folder)
+        .env("INKRIG_MODEL", "m.safetensors")
+        .args(["generate", "--word=kick", "--trajectory3d=way.json", "--seed=5", "-o", "k.bvh"])
+        .output();
+    assert!(run.unwrap().status.success());
+    let record = std::fs::read(folder.join("k.bvh.inkrig.json")).unwrap();
+    let record: serde_json::Value = serde_json::from_slice(&record).unwrap();
+    assert_eq!((&record["seed"], &record["command"]), (&5.into(), &"generate".into()));
+    assert_eq!(record["licences"], serde_json::json!(["CC0-1.0", "unknown: way.json"]));
+    let redone = inkrig(&folder, &["redo", "k.bvh.inkrig.json", "-o", "again.bvh"]);
+    assert!(redone.status.success(), "{}", text(&redone.stderr));
+    let read = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    assert_eq!(read("k.bvh"), read("again.bvh"));
+    std::fs::write(folder.join("m.safetensors"), model(&header(16), Parts::ALL)).unwrap();
+    let other = inkrig(&folder, &["redo", "k.bvh.inkrig.json", "-o", "other.bvh"]);
+    assert!(text(&other.stderr).contains("has changed") && !folder.join("other.bvh").exists());
 }
 
 #[test]

@@ -7,10 +7,11 @@ mod text;
 use crate::cli::{GenerateArgs, GuidanceArg, StepsArg};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::output::Output;
 use crate::printable;
+use crate::provenance::licence::LicenceNote;
+use crate::provenance::{Facts, Run};
 use crate::read_back::ReadBack;
-use crate::{load, names, results};
+use crate::{inputs, load, names, results};
 use conditions::{KeyPose, keypose, trajectory};
 use inkrig_formats::{ExportOptions, write_motion};
 use inkrig_generate::checkpoint::{CheckpointError, ModelFile, ModelHeader};
@@ -27,17 +28,15 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-pub(super) fn run(args: &GenerateArgs, console: &Console) -> Result<(), CliError> {
+pub(super) fn run(args: &GenerateArgs, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
     let format = results::format_of(&args.out)?;
     let named = args.model.clone().or_else(|| std::env::var_os("INKRIG_MODEL").map(PathBuf::from));
     let path = named.filter(|path| !path.as_os_str().is_empty()).ok_or(CliError::NoModel)?;
-    let output = Output { force: args.force };
     let results = || std::iter::once(args.out.as_path()).chain(args.report.as_deref());
     let inputs = [Some(&path), args.keypose3d.as_ref(), args.trajectory3d.as_ref()].into_iter().flatten();
     names::results_differ(inputs.map(PathBuf::as_path), results())?;
-    for path in results() {
-        output.check(path)?;
-    }
+    run.check_motion(&args.out, &args.sidecar)?;
+    args.report.as_deref().map_or(Ok(()), |path| run.check(path))?;
     if args.guidance.is_some() && args.trajectory3d.is_none() {
         return Err(CliError::NoEffect { flag: "--guidance", with: "no --trajectory3d" });
     }
@@ -64,11 +63,15 @@ pub(super) fn run(args: &GenerateArgs, console: &Console) -> Result<(), CliError
         console.warn(warning);
     }
     let record = Record::of(args, (&path, &model.header), (&wanted, &options), &made, (read_back, warnings));
-    output.write(&args.out, &written.bytes)?;
+    let arguments = run.arguments.with_option("model", &path, args.model.is_none());
+    let facts = Facts { seed: Some(args.seed), ..Facts::of_files(&[]) };
+    let run = Run { arguments: &arguments, sink: run.sink };
+    run.write_motion(&args.out, &written.bytes, &args.sidecar, &facts)?;
     if let Some(path) = &args.report {
-        output.write(path, &serde_json::to_vec_pretty(&record)?)?;
+        run.write(path, &serde_json::to_vec_pretty(&record)?)?;
     }
     console.say(record.text())?;
+    run.say(&args.out, &args.sidecar, console)?;
     if let Some(path) = &args.report {
         console.say(format!("wrote {}", printable::path(path)))?;
     }
@@ -104,9 +107,12 @@ impl Model {
     /// Reads the header, and no weights yet.
     fn open(path: &Path) -> Result<Self, CliError> {
         let wrong = |cause: CheckpointError| CliError::Model { path: path.into(), cause: Box::new(cause) };
-        let file = File::open(path).map_err(|cause| CliError::Read { path: path.into(), cause })?;
-        let file = ModelFile::open(file).map_err(wrong)?;
+        let file = ModelFile::open(inputs::open_large(path)?).map_err(wrong)?;
         let header = file.header().clone();
+        if !header.licence.is_empty() {
+            let note = LicenceNote { text: header.licence.clone(), from: "its header".into() };
+            inputs::add_licence(path, &note);
+        }
         let (features, places) = header.statistics().map_err(wrong)?;
         let body = header.skeleton().map_err(wrong)?;
         let configuration = match header.semantics {

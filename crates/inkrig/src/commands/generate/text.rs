@@ -2,6 +2,7 @@
 
 use super::about;
 use crate::error::CliError;
+use crate::inputs;
 use inkrig_generate::checkpoint::{CheckpointError, ModelHeader, Safetensors, TensorSource};
 use inkrig_generate::configuration::{Configuration, TextEncoderKind};
 use inkrig_generate::text::{ClipEncoder, T5Encoder, TextEncoder, VerbTable};
@@ -63,11 +64,11 @@ pub(super) fn description(header: &ModelHeader, configuration: &Configuration, w
 fn small(path: &Path) -> Result<String, CliError> {
     let read = |cause| CliError::Read { path: path.into(), cause };
     let mut text = String::new();
-    File::open(path).map_err(read)?.take(MOST_TEXT).read_to_string(&mut text).map_err(read)?;
+    inputs::open_large(path)?.take(MOST_TEXT).read_to_string(&mut text).map_err(read)?;
     Ok(text)
 }
 
 fn open(path: &Path) -> Result<Safetensors<File>, CliError> {
-    let file = File::open(path).map_err(|cause| CliError::Read { path: path.into(), cause })?;
-    Safetensors::open(file).map_err(|cause| CliError::Model { path: path.into(), cause: Box::new(cause) })
+    Safetensors::open(inputs::open_large(path)?)
+        .map_err(|cause| CliError::Model { path: path.into(), cause: Box::new(cause) })
 }
