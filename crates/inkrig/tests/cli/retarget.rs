@@ -100,7 +100,7 @@ fn a_map_is_written_changed_and_obeyed() {
     let told = record(&folder, &map());
     assert_eq!(told["certificate"]["unmapped"], serde_json::json!(["lowerarm_l"]));
     std::fs::write(folder.join("map.json"), text.replace("\"LeftArm\"", "\"LeftArn\"")).unwrap();
-    let done = inkrig(&folder, &[&["retarget"], &map()[..]].concat());
+    let done = inkrig(&folder, &[&["retarget"], &map()[..], &["--force"]].concat());
     let said = text_of(&done.stderr);
     assert!(said.contains("no joint LeftArn") && said.contains("LeftArm"), "{said}");
 }
