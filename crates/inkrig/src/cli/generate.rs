@@ -37,7 +37,7 @@ pub struct GenerateArgs {
     /// Where joints shall pass: points in space
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
     pub trajectory3d: Option<PathBuf>,
-    /// The file to write: .bvh, .glb, .fbx, .usda
+    /// The file to write: .bvh, .glb, .fbx, .usda, .vrma
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub out: PathBuf,
     /// Which of the motions: the same seed gives the same

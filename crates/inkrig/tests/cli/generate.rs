@@ -94,7 +94,11 @@ fn a_word_becomes_a_motion_and_the_seed_says_which() {
     assert_ne!(std::fs::read(folder.join("walk.bvh")).unwrap(), first);
     let short = read_bvh(&made(&["--frames", "1s"]).0, &ImportOptions::default()).unwrap().clip;
     assert_eq!(short.frames(), 20);
-    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 5, "nothing else but records is left behind");
+    for out in ["k.glb", "k.fbx", "k.usda", "k.vrma"] {
+        let output = inkrig(&folder, &["generate", "--model", "m.safetensors", "--word", "kick", "-o", out]);
+        assert!(output.status.success(), "{out}: {}", text(&output.stderr));
+    }
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 13, "nothing else but records is left behind");
 }
 
 #[test]

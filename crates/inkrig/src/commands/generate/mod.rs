@@ -13,7 +13,7 @@ use crate::provenance::{Facts, Run};
 use crate::read_back::ReadBack;
 use crate::{inputs, load, names, results};
 use conditions::{KeyPose, keypose, trajectory};
-use inkrig_formats::{ExportOptions, write_motion};
+use inkrig_formats::{ExportOptions, HumanBone, write_motion};
 use inkrig_generate::checkpoint::{CheckpointError, ModelFile, ModelHeader};
 use inkrig_generate::configuration::Configuration;
 use inkrig_generate::guidance::{Ask, Guided, View};
@@ -52,7 +52,8 @@ pub(super) fn run(args: &GenerateArgs, run: &Run<'_>, console: &Console) -> Resu
     drop(stage);
     let stage = console.stage("making the motion");
     let made = model.generate(args, &wanted, &options, encoder.as_ref())?;
-    let export = ExportOptions { name: Some(args.word.clone()), ..ExportOptions::default() };
+    let humanoid = HUMANOID.map(|(name, joint)| HumanBone { name, joint }).to_vec();
+    let export = ExportOptions { name: Some(args.word.clone()), humanoid, ..ExportOptions::default() };
     let written = write_motion(&made.clip, format, &export)?;
     let read_back = ReadBack::of(&written.bytes, format, &made.clip, &export);
     drop(stage);
@@ -206,6 +207,32 @@ impl Model {
         to_clip(&frames, &Arc::new(skeleton(&self.body, &frames)?), FRAME_RATE)
     }
 }
+
+/// What the joints are called in VRM.
+const HUMANOID: [(&str, usize); 22] = [
+    ("hips", 0),
+    ("spine", 3),
+    ("chest", 6),
+    ("upperChest", 9),
+    ("neck", 12),
+    ("head", 15),
+    ("leftUpperLeg", 1),
+    ("leftLowerLeg", 4),
+    ("leftFoot", 7),
+    ("leftToes", 10),
+    ("rightUpperLeg", 2),
+    ("rightLowerLeg", 5),
+    ("rightFoot", 8),
+    ("rightToes", 11),
+    ("leftShoulder", 13),
+    ("leftUpperArm", 16),
+    ("leftLowerArm", 18),
+    ("leftHand", 20),
+    ("rightShoulder", 14),
+    ("rightUpperArm", 17),
+    ("rightLowerArm", 19),
+    ("rightHand", 21),
+];
 
 /// Steps of models that were not distilled.
 const DDIM_STEPS: usize = 50;
