@@ -37,7 +37,7 @@ fn both_forms_give_the_same_with_padding_and_without() {
         let mask = FrameMask::new(&lengths, frames);
         let features = Noise::new(1).normals(2 * frames * WIDTH);
         let (mean, log_variance) = trainable.encode(tensor(&features, [2, frames, WIDTH], &device), &mask);
-        let decoded = numbers(trainable.decode(mean.clone(), &mask));
+        let decoded = numbers(trainable.decode(&mean, &mask));
         let (mean, log_variance) = (numbers(mean), numbers(log_variance));
         let each = latent_tokens * sizes.width;
         for (clip, &length) in lengths.iter().enumerate() {
@@ -62,7 +62,7 @@ fn both_forms_have_the_same_gradient() {
     let trainable = TrainableVae::new(&sizes, &weights, 0.0, &device).unwrap();
     let (latent, way) = (Noise::new(1).normals(2 * sizes.width), Noise::new(2).normals(9 * WIDTH));
     let z = tensor(&latent, [1, 2, sizes.width], &device).require_grad();
-    let decoded = trainable.decode(z.clone(), &FrameMask::new(&[9], 9));
+    let decoded = trainable.decode(&z, &FrameMask::new(&[9], 9));
     let grads = (decoded * tensor(&way, [1, 9, WIDTH], &device)).sum().backward();
     let expected = numbers(z.grad(&grads).unwrap());
     let vae = Vae::new(&sizes, &weights).unwrap();
@@ -74,7 +74,7 @@ fn both_forms_have_the_same_gradient() {
 #[test]
 fn places_are_recovered_as_from_a_file() {
     let features: Vec<f32> = Noise::new(3).normals(2 * 30 * WIDTH).iter().map(|x| 0.1 * x).collect();
-    let places = numbers(recovered_places(tensor(&features, [2, 30, WIDTH], &Device::flex())));
+    let places = numbers(recovered_places(&tensor(&features, [2, 30, WIDTH], &Device::flex())));
     for clip in 0..2 {
         let rows = features[clip * 30 * WIDTH..][..30 * WIDTH].to_vec();
         let expected = recover_positions(&Features::new(rows, WIDTH).unwrap()).unwrap();
@@ -125,7 +125,7 @@ fn some_steps_of_training_make_the_loss_small() {
         let (mean, log_variance) = vae.encode(features.clone(), &mask);
         let noise = mean.random_like(Distribution::Normal(0.0, 1.0));
         let latent = TrainableVae::sample(mean.clone(), log_variance.clone(), noise, 0.1);
-        let decoded = vae.decode(latent, &mask);
+        let decoded = vae.decode(&latent, &mask);
         let spread = (mean, log_variance);
         let weights = VaeLossWeights::default();
         let loss = VaeLoss::new(decoded, features.clone(), spread, &mask, &statistics, &weights);

@@ -30,6 +30,17 @@ pub enum TrainError {
     /// The caller said stop.
     #[error("stopped; what is done stays, and the same command goes on from there")]
     Stopped,
+    /// A network, or the device that it runs on, says no.
+    #[error("{0}")]
+    Device(String),
+    /// Training ran off.
+    #[error(
+        "the loss is no number at step {step}; the last checkpoint is good: give a smaller rate, or a larger warm_up"
+    )]
+    Diverged {
+        /// The step.
+        step: u64,
+    },
     /// No threads to work with.
     #[error("no threads could be started: {0}")]
     Threads(String),

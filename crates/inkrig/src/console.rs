@@ -99,7 +99,7 @@ impl Console {
         }
         bar.set_message(what.into());
         self.interrupt.listeners.fetch_add(1, SeqCst);
-        Bar { bar, interrupt: self.interrupt.clone() }
+        Bar { bar, silent: self.quiet || self.json, interrupt: self.interrupt.clone() }
     }
 }
 
@@ -119,6 +119,11 @@ impl Drop for Stage {
 #[derive(Debug)]
 pub struct Bar {
     bar: ProgressBar,
+    #[cfg_attr(
+        not(feature = "train"),
+        allow(dead_code, reason = "only training has lines to say on the way")
+    )]
+    silent: bool,
     interrupt: Arc<Interrupt>,
 }
 
@@ -133,6 +138,16 @@ impl Bar {
         self.bar.set_length(total as u64);
         self.bar.set_position(done as u64);
         if self.interrupt.pressed.load(SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    /// Says a line on standard error above the bar, also where no terminal shows one.
+    #[cfg(feature = "train")]
+    pub fn note(&self, line: &str) {
+        if !self.silent {
+            self.bar.suspend(|| {
+                let _ = writeln!(std::io::stderr(), "{line}");
+            });
+        }
     }
 
     /// Ends the bar.

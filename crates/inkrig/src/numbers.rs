@@ -41,6 +41,12 @@ pub(crate) fn times(text: &str) -> Result<usize, String> {
     within(text, 1..=1000, "times")
 }
 
+/// Minutes to train.
+#[cfg(feature = "train")]
+pub(crate) fn minutes(text: &str) -> Result<f64, String> {
+    within(text, 0.01..=1e6, "minutes")
+}
+
 /// Threads to work with.
 pub(crate) fn threads(text: &str) -> Result<usize, String> {
     within(text, 1..=1024, "threads")

@@ -70,11 +70,11 @@ impl TrainableVae {
     }
 
     /// Features of latents; padded frames are zero.
-    pub fn decode(&self, latents: Tensor<3>, mask: &FrameMask) -> Tensor<3> {
+    pub fn decode(&self, latents: &Tensor<3>, mask: &FrameMask) -> Tensor<3> {
         let device = latents.device();
         let clips = latents.dims()[0];
         let x = self.query_pos_decoder.rows(mask.frames()).repeat_dim(0, clips);
-        let x = self.decoder.forward(x, mask.bias(0, &device).as_ref(), Some(&latents));
+        let x = self.decoder.forward(x, mask.bias(0, &device).as_ref(), Some(latents));
         let features = self.final_layer.forward(x);
         match mask.keep(&device) {
             Some(keep) => features * keep,

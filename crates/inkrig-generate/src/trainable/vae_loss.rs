@@ -60,7 +60,7 @@ impl VaeLoss {
             distance.sum() / (counted * width)
         };
         let places = |features: Tensor<3>| {
-            let places = recovered_places(restored(features, statistics, &device));
+            let places = recovered_places(&restored(features, statistics, &device));
             match mask.keep(&device) {
                 Some(keep) => places * keep,
                 None => places,
@@ -86,7 +86,7 @@ pub fn smooth_l1(a: Tensor<3>, b: Tensor<3>) -> Tensor<3> {
 
 /// Places of the 22 joints, clips x frames x 66 metres, from features that are not normalised: as
 /// [`inkrig_motion::humanml::recover_positions`], for training.
-pub fn recovered_places(features: Tensor<3>) -> Tensor<3> {
+pub fn recovered_places(features: &Tensor<3>) -> Tensor<3> {
     let [clips, frames, _] = features.dims();
     let device = features.device();
     let zero = Tensor::<3>::zeros([clips, 1, 1], &device);

@@ -7,6 +7,7 @@ use super::files::{self, MotionFile};
 use super::manifest::{Entry, Manifest, RejectedEntry};
 use super::part::{Part, VERSION};
 use super::report;
+use super::statistics::CorpusStatistics;
 use crate::TrainError;
 use inkrig_formats::{
     ClipChoice, Format, Import, ImportOptions, companion_beside, read_in_folder, read_motion,
@@ -62,21 +63,6 @@ pub struct Built {
     pub rejected: Vec<RejectedEntry>,
     /// Means and deviations of the training split.
     pub statistics: CorpusStatistics,
-}
-
-/// What numbers are normalised by, and the body that everybody has.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CorpusStatistics {
-    /// Mean of the 263 features over the training split, mirror images included.
-    pub mean: Vec<f32>,
-    /// Their deviation, one value a block.
-    pub deviation: Vec<f32>,
-    /// Mean of the 66 joint coordinates.
-    pub joint_mean: Vec<f32>,
-    /// Their deviation.
-    pub joint_deviation: Vec<f32>,
-    /// The bone that ends at each joint where nothing is turned, metres.
-    pub body: Vec<[f32; 3]>,
 }
 
 /// Makes the parts of a shard in `folder`; of the whole, the lists and the page as well. Works with `threads` threads (0: one a
@@ -138,7 +124,7 @@ pub fn finish(config: &Config, folder: &Path) -> Result<Built, TrainError> {
     let manifest = Manifest::read(folder)?;
     let statistics = statistics(&manifest, &target)?;
     let json = serde_json::to_vec(&statistics).unwrap_or_default();
-    write(&folder.join("statistics.json"), &json)?;
+    write(&folder.join(super::statistics::FILE), &json)?;
     Ok(Built { manifest, rejected, statistics })
 }
 
@@ -376,7 +362,7 @@ fn bytes(path: &Path, most: usize) -> std::io::Result<Vec<u8>> {
 }
 
 /// Writes a file beside its place and moves it there.
-fn write(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {
     let failed = |cause| TrainError::File { path: path.to_path_buf(), cause };
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;

@@ -151,7 +151,7 @@ impl Config {
 }
 
 /// A text file, if it is no larger than a configuration may be.
-pub(super) fn read_text(path: &Path) -> Result<String, TrainError> {
+pub(crate) fn read_text(path: &Path) -> Result<String, TrainError> {
     use std::io::Read as _;
     let failed = |cause| TrainError::File { path: path.to_path_buf(), cause };
     let mut text = String::new();

@@ -16,6 +16,7 @@ mod manifest;
 mod part;
 mod poses;
 mod report;
+mod statistics;
 
 pub use build::{Built, Progress, Shard, build, finish};
 pub use check::Rejected;
@@ -24,3 +25,9 @@ pub use config::{Config, Source, Split, TextFrom};
 pub use manifest::{Entry, Manifest, RejectedEntry};
 pub use part::{Part, PartClip};
 pub use poses::key_pose_frames;
+pub use statistics::CorpusStatistics;
+
+#[cfg(feature = "train")]
+pub(crate) use build::write;
+#[cfg(feature = "train")]
+pub(crate) use config::read_text;

@@ -12,6 +12,8 @@ mod retarget;
 mod root;
 mod sidecar;
 mod suggest;
+#[cfg(feature = "train")]
+mod train;
 
 pub use align::{AlignArgs, ControlArgs, Norms, PresetArg, RotationArg, SolverArg, VelocityArg};
 pub use bake::{BakeArgs, BakeMode, Hold, Tolerance};
@@ -25,6 +27,8 @@ pub use retarget::RetargetArgs;
 pub use root::{RootArgs, RootMode};
 pub use sidecar::SidecarArgs;
 pub use suggest::SuggestArgs;
+#[cfg(feature = "train")]
+pub use train::{RunArgs, TrainArgs, TrainStage};
 
 use crate::numbers;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
@@ -81,6 +85,9 @@ pub enum Command {
     /// Suggest poses of a clip for keyframes, and map it to draw on
     #[command(after_help = suggest::EXAMPLES)]
     Suggest(SuggestArgs),
+    /// Train the networks of the second engine on a corpus
+    #[cfg(feature = "train")]
+    Train(TrainArgs),
     /// Print a completion script for your shell
     #[command(
         after_help = "Example:\n  inkrig completions bash > ~/.local/share/bash-completion/completions/inkrig"

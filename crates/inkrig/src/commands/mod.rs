@@ -19,6 +19,8 @@ mod redo;
 mod retarget;
 mod settings;
 mod suggest;
+#[cfg(feature = "train")]
+mod train;
 
 use crate::cli::{Cli, Command};
 use crate::console::Console;
@@ -47,6 +49,8 @@ pub fn run(cli: Cli, matches: &ArgMatches) -> Result<(), CliError> {
         Command::Inspect(args) => inspect::run(&args, &console),
         Command::Model(args) => model::run(&args, &console),
         Command::Suggest(args) => suggest::run(&args, &console),
+        #[cfg(feature = "train")]
+        Command::Train(args) => train::run(&args, &console),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "inkrig", &mut script);

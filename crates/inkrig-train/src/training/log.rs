@@ -1,0 +1,56 @@
+//! What is written down while training, one line a measurement.
+
+use crate::TrainError;
+use serde::{Deserialize, Serialize};
+use std::io::Write as _;
+use std::path::Path;
+
+/// A line of `log.jsonl`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Steps that were taken.
+    pub step: u64,
+    /// Mean of what was made small, since the last line.
+    pub loss: f64,
+    /// Its part of the features.
+    pub features: f64,
+    /// Its part of the joints' places, metres.
+    pub places: f64,
+    /// Its part of the divergence, before its weight.
+    pub divergence: f64,
+    /// Mean length of the gradient before it was clipped.
+    pub gradient: f64,
+    /// Rate of the last step.
+    pub rate: f64,
+    /// Held-out clips: mean distance of joints after encoding and decoding, millimetres.
+    pub held_out_mm: f64,
+    /// The same with the pelvis at its place.
+    pub held_out_aligned_mm: f64,
+    /// Seconds of training, earlier runs included.
+    pub seconds: f64,
+}
+
+/// Adds a line.
+pub(super) fn append(path: &Path, row: &Row) -> Result<(), TrainError> {
+    let failed = |cause| TrainError::File { path: path.to_path_buf(), cause };
+    let mut file = std::fs::OpenOptions::new().create(true).append(true).open(path).map_err(failed)?;
+    let line = serde_json::to_string(row).unwrap_or_default();
+    writeln!(file, "{line}").map_err(failed)
+}
+
+/// All lines up to a step. What stands behind it was taken back when a run was killed, and is taken out of the file.
+pub(super) fn read_until(path: &Path, step: u64) -> Result<Vec<Row>, TrainError> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let text = crate::corpus::read_text(path)?;
+    // A line that was cut off by a crash is none.
+    let rows = text.lines().filter_map(|line| serde_json::from_str::<Row>(line).ok());
+    let rows: Vec<Row> = rows.filter(|row| row.step <= step).collect();
+    let lines = rows.iter().map(|row| serde_json::to_string(row).unwrap_or_default() + "\n");
+    let kept: String = lines.collect();
+    if kept != text {
+        crate::corpus::write(path, kept.as_bytes())?;
+    }
+    Ok(rows)
+}

@@ -1,0 +1,22 @@
+//! Training, in stages that can be stopped and gone on with at any moment.
+//!
+//! A stage reads a corpus ([`crate::corpus`]), takes one step after the other and keeps, in its own folder, `checkpoint.safetensors`
+//! (weights, optimiser, place), `log.jsonl` (one line a measurement) and the best weights so far. What is drawn at random belongs to the
+//! seed and the step alone, so that a run that was stopped goes on as if it had not been.
+
+mod adamw;
+mod checkpoint;
+mod flat;
+mod log;
+mod rate;
+mod reconstruction;
+mod settings;
+mod vae;
+mod weights_file;
+mod windows;
+
+pub use log::Row;
+pub use reconstruction::{Reconstruction, reconstruction};
+pub use settings::VaeSettings;
+pub use vae::{OnStep, Report, train_vae};
+pub use windows::{Batch, Windows};

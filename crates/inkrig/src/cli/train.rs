@@ -1,0 +1,54 @@
+//! What can be said to `inkrig train`.
+
+use crate::numbers;
+use clap::{Args, Subcommand, ValueHint};
+use std::path::PathBuf;
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  inkrig train vae --corpus corpus -o runs/vae
+      the autoencoder, with the settings of the small network
+  inkrig train vae --corpus corpus -o runs/vae --config vae.toml --minutes 150
+      other settings; stops after 150 minutes, and the same command goes on from there
+
+Stop at any moment: nothing but the steps since the last checkpoint is lost.";
+
+/// Arguments of `inkrig train`.
+#[derive(Debug, Args)]
+pub struct TrainArgs {
+    /// The stage.
+    #[command(subcommand)]
+    pub stage: TrainStage,
+}
+
+/// Stages of training.
+#[derive(Debug, Subcommand)]
+pub enum TrainStage {
+    /// The autoencoder, which everything else stands on
+    #[command(after_help = EXAMPLES)]
+    Vae {
+        #[command(flatten)]
+        /// Where and how long.
+        run: RunArgs,
+    },
+}
+
+/// Where and how long to train.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// The corpus, made by inkrig data build
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub corpus: PathBuf,
+    /// The folder of the run: checkpoint, log, weights. One that is there already is gone on with
+    #[arg(long, short, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub out: PathBuf,
+    /// Settings that differ from the usual ones
+    #[arg(long, value_name = "FILE.toml", value_hint = ValueHint::FilePath)]
+    pub config: Option<PathBuf>,
+    /// Stop after so many minutes, to go on later
+    #[arg(long, value_name = "MINUTES", value_parser = numbers::minutes, allow_negative_numbers = true)]
+    pub minutes: Option<f64>,
+    /// Copies of the network that work side by side, one a thread [default: one a core]
+    #[arg(long, value_parser = numbers::threads, allow_negative_numbers = true)]
+    pub replicas: Option<usize>,
+}
