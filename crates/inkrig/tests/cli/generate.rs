@@ -168,7 +168,9 @@ fn conditions_move_the_motion_and_guidance_brings_it_nearer() {
 fn a_distilled_model_takes_few_steps_and_no_other() {
     let (_keep, folder) = studio();
     assert!(refused(&folder, &[&WORD[..], &["--steps", "2"]].concat()).contains("notdistilled"));
-    std::fs::write(folder.join("m.safetensors"), model(&header(16), Parts::ALL)).unwrap();
+    // As the published ones are.
+    let published = ModelHeader { semantics: Semantics::Official, ..header(16) };
+    std::fs::write(folder.join("m.safetensors"), model(&published, Parts::ALL)).unwrap();
     assert!(refused(&folder, &[&WORD[..], &["--steps", "ddim"]].concat()).contains("--steps1,2or4"));
     for (out, steps) in [("1.bvh", "1"), ("2.bvh", "2"), ("4.bvh", "4")] {
         let base = ["generate", "--model", "m.safetensors", "--word", "kick", "-o", out, "--steps", steps];
@@ -179,6 +181,15 @@ fn a_distilled_model_takes_few_steps_and_no_other() {
     let usual = ["generate", "--model", "m.safetensors", "--word", "kick", "-o", "u.bvh"];
     assert!(inkrig(&folder, &usual).status.success());
     assert_eq!(read("u.bvh"), read("2.bvh"));
+    let clip = read_bvh(&read("u.bvh"), &ImportOptions::default()).unwrap().clip;
+    assert_eq!(clip.frames(), 40, "cut from the length that it was trained with");
+    std::fs::write(folder.join("pose.json"), serde_json::json!(vec![[0.1, 0.9, 0.2]; JOINTS]).to_string())
+        .unwrap();
+    std::fs::write(folder.join("way.json"), r#"{"joint": "Left Wrist", "points": [[0, 1, 0], [0, 1.1, 0]]}"#)
+        .unwrap();
+    let more = ["--keypose3d", "pose.json", "--trajectory3d", "way.json"];
+    assert!(inkrig(&folder, &[&WORD[..], &more].concat()).status.success());
+    assert_ne!(read("k.bvh"), read("u.bvh"));
 }
 
 #[test]
