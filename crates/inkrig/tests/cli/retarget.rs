@@ -84,8 +84,7 @@ fn a_map_is_written_changed_and_obeyed() {
     let base = ["person.bvh", "--onto", "other.bvh"];
     let suggested = record(&folder, &[&base[..], &["--suggest-map", "-o", "map.json"]].concat());
     assert!(suggested["pairs"].as_u64().unwrap() > 15, "{suggested}");
-    let map =
-        || [&base[..], &["--map", "map.json", "-o", "new.bvh", "--range", "0s..2s", "--force"]].concat();
+    let map = || [&base[..], &["--map", "map.json", "-o", "new.bvh", "--range", "0s..2s"]].concat();
     let told = record(&folder, &map());
     assert_eq!(told["certificate"]["verdict"], "pass");
     let plain = [&base[..], &["-o", "plain.bvh", "--range", "0s..2s"]].concat();
