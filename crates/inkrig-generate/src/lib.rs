@@ -8,6 +8,7 @@ pub mod checkpoint;
 pub mod configuration;
 mod error;
 pub mod guidance;
+pub mod learning;
 pub mod losses;
 pub mod measures;
 pub mod networks;

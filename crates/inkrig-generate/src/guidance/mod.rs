@@ -7,4 +7,5 @@ mod target;
 
 pub use guide::{GuidanceOptions, Guide, Guided, GuidedClip, Method, Variable};
 pub use lbfgs::{Lbfgs, LbfgsOptions, Objective};
+pub(crate) use places::Places;
 pub use target::{Ask, Mean, Target, View};

@@ -7,6 +7,7 @@ use crate::numeric::attention::{AttentionWork, Sequence};
 use crate::numeric::elementwise::{add, gelu, gelu_gradient};
 use crate::numeric::fit;
 use crate::numeric::normal::{LayerNorm, Normalised};
+use crate::numeric::product::OuterWork;
 use crate::weights::Tensors;
 use std::ops::Range;
 
@@ -41,6 +42,36 @@ pub(crate) struct BlockTape {
     norm_memory: Normalised,
     wide: Vec<f32>,
     norm: Normalised,
+    inputs: Inputs,
+}
+
+/// What went into the linear layers of a block: only the gradients of weights need it.
+#[derive(Debug, Clone, Default)]
+struct Inputs {
+    kept: bool,
+    x: Vec<f32>,
+    mixed: Vec<f32>,
+    attended: Vec<f32>,
+    memory_mixed: Vec<f32>,
+    looked_up: Vec<f32>,
+}
+
+impl BlockTape {
+    /// Whether the next forward pass keeps what the gradients of weights need.
+    pub(crate) fn keep_inputs(&mut self, keep: bool) {
+        self.inputs.kept = keep;
+    }
+}
+
+/// The row that the gradients of all weights are added to, in the order of [`crate::weights::Tensors::row`].
+pub(crate) struct WeightGradients<'a> {
+    pub(crate) row: &'a mut [f32],
+    pub(crate) work: &'a mut OuterWork,
+}
+
+fn keep(buffer: &mut Vec<f32>, numbers: &[f32]) {
+    buffer.clear();
+    buffer.extend_from_slice(numbers);
 }
 
 /// Buffers that blocks share.
@@ -84,6 +115,10 @@ impl Block {
         work: &mut BlockWork,
     ) {
         fit(&mut work.part, x.len());
+        let kept = tape.inputs.kept;
+        if kept {
+            keep(&mut tape.inputs.x, x);
+        }
         let spans = spans(layout.lengths, layout.lengths);
         self.attention.forward(
             x,
@@ -94,15 +129,27 @@ impl Block {
             &mut work.attention,
             &mut work.other,
         );
+        if kept {
+            keep(&mut tape.inputs.mixed, &work.other);
+        }
         add(x, &work.part);
         self.norm_attention.forward(x, &mut tape.norm_attention);
+        if kept {
+            keep(&mut tape.inputs.attended, x);
+        }
 
         if let (Some((attention, norm)), Some((memory, tokens))) = (&self.memory, layout.memory) {
             attention.look_up(x, memory, layout.lengths, tokens, tape, work);
+            if kept {
+                keep(&mut tape.inputs.memory_mixed, &work.other);
+            }
             add(x, &work.part);
             norm.forward(x, &mut tape.norm_memory);
         }
 
+        if kept {
+            keep(&mut tape.inputs.looked_up, x);
+        }
         let wide = x.len() / self.width * self.feed_forward;
         self.widen.forward(x, fit(&mut tape.wide, wide));
         gelu(&tape.wide, fit(&mut work.wide, wide));
@@ -112,8 +159,9 @@ impl Block {
     }
 
     /// From the gradient of what came out to that of what went in, in place; that of the memory is added to
-    /// `grad_memory`. The first block of a decoder has nothing before its attention that anybody asks for: with
-    /// `memory_only` it stops there.
+    /// `grad_memory`, those of weights where they are asked for (the forward pass has to have kept its inputs then). The
+    /// first block of a decoder has nothing before its attention that anybody asks for: with `memory_only` it stops there.
+    #[allow(clippy::too_many_arguments, reason = "buffers of one pass")]
     pub(crate) fn backward(
         &self,
         grad: &mut [f32],
@@ -122,15 +170,30 @@ impl Block {
         memory_only: bool,
         tape: &BlockTape,
         work: &mut BlockWork,
+        mut weights: Option<&mut WeightGradients<'_>>,
     ) {
+        let inputs = &tape.inputs;
+        if let Some(to) = weights.as_deref_mut() {
+            self.norm.weight_gradient(grad, &tape.norm, to.row);
+        }
         self.norm.backward(grad, &tape.norm);
+        if let Some(to) = weights.as_deref_mut() {
+            gelu(&tape.wide, fit(&mut work.wide, tape.wide.len()));
+            self.narrow.weight_gradient(&work.wide, grad, to.row, to.work);
+        }
         self.narrow.backward(grad, fit(&mut work.wide, tape.wide.len()), false);
         gelu_gradient(&tape.wide, &mut work.wide);
+        if let Some(to) = weights.as_deref_mut() {
+            self.widen.weight_gradient(&inputs.looked_up, &work.wide, to.row, to.work);
+        }
         self.widen.backward(&work.wide, grad, true);
 
         if let (Some((attention, norm)), Some((memory, tokens))) = (&self.memory, layout.memory) {
+            if let Some(to) = weights.as_deref_mut() {
+                norm.weight_gradient(grad, &tape.norm_memory, to.row);
+            }
             norm.backward(grad, &tape.norm_memory);
-            let last = memory_only;
+            let (last, kept) = (memory_only, (&inputs.attended[..], &inputs.memory_mixed[..]));
             attention.look_up_back(
                 grad,
                 memory,
@@ -139,14 +202,22 @@ impl Block {
                 last,
                 &tape.memory,
                 work,
+                kept,
+                weights.as_deref_mut(),
             );
         }
         if memory_only {
             return;
         }
+        if let Some(to) = weights.as_deref_mut() {
+            self.norm_attention.weight_gradient(grad, &tape.norm_attention, to.row);
+        }
         self.norm_attention.backward(grad, &tape.norm_attention);
         let spans = spans(layout.lengths, layout.lengths);
         self.attention.backward(grad, spans, &tape.attention, work);
+        if let Some(to) = weights {
+            self.attention.weight_gradients(&inputs.x, &inputs.x, (&inputs.mixed, grad), &work.grads, to);
+        }
         let [queries, keys, values] = &work.grads;
         self.attention.queries.backward(queries, grad, true);
         self.attention.keys.backward(keys, grad, true);
@@ -253,6 +324,22 @@ impl Attention {
         }
     }
 
+    /// Of all four projections: what queries were made of and what keys and values were, what went into the last one and the
+    /// gradient of what came out of it, and the gradients of the three.
+    fn weight_gradients(
+        &self,
+        x: &[f32],
+        memory: &[f32],
+        (mixed, grad): (&[f32], &[f32]),
+        [queries, keys, values]: &[Vec<f32>; 3],
+        to: &mut WeightGradients<'_>,
+    ) {
+        self.out.weight_gradient(mixed, grad, to.row, to.work);
+        self.queries.weight_gradient(x, queries, to.row, to.work);
+        self.keys.weight_gradient(memory, keys, to.row, to.work);
+        self.values.weight_gradient(memory, values, to.row, to.work);
+    }
+
     fn sequence<'a>(
         &self,
         [queries, keys, values]: [&'a [f32]; 3],
@@ -305,6 +392,8 @@ impl Attention {
         last: bool,
         tape: &AttentionTape,
         work: &mut BlockWork,
+        (x, mixed): (&[f32], &[f32]),
+        weights: Option<&mut WeightGradients<'_>>,
     ) {
         if tokens == 1 {
             let sums = fit(&mut work.part, memory.len());
@@ -313,12 +402,22 @@ impl Attention {
             for (row, owner) in grad.chunks_exact(self.width).zip(owners) {
                 add(&mut sums[owner * self.width..][..self.width], row);
             }
-            self.out.backward(sums, fit(&mut work.other, memory.len()), false);
+            if let Some(to) = weights {
+                self.values.forward(memory, fit(&mut work.other, memory.len()));
+                self.out.weight_gradient(&work.other, sums, to.row, to.work);
+                self.out.backward(sums, fit(&mut work.other, memory.len()), false);
+                self.values.weight_gradient(memory, &work.other, to.row, to.work);
+            } else {
+                self.out.backward(sums, fit(&mut work.other, memory.len()), false);
+            }
             self.values.backward(&work.other, grad_memory, true);
             return;
         }
         let keys = vec![tokens; lengths.len()];
         self.backward(grad, spans(lengths, &keys), tape, work);
+        if let Some(to) = weights {
+            self.weight_gradients(x, memory, (mixed, grad), &work.grads, to);
+        }
         let [queries, keys, values] = &work.grads;
         if !last {
             self.queries.backward(queries, grad, true);

@@ -11,6 +11,7 @@ mod sizes;
 mod stack;
 mod tokens;
 mod vae;
+mod vae_gradient;
 
 pub use conditions::{ConditionEncoder, Domain};
 pub use denoiser::{Adapter, ControlNet, Corrections, Denoiser, Noisy, Work};
@@ -19,3 +20,4 @@ pub(crate) use linear::Linear;
 pub use names::{Parts, TensorSpec, tensors};
 pub use sizes::Sizes;
 pub use vae::{Decoding, Encoded, Vae};
+pub(crate) use vae_gradient::VaeTape;

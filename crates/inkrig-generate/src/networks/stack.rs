@@ -1,7 +1,7 @@
 //! Blocks with skips: outputs of the first half go into the second half, the last one first.
 
 use super::Sizes;
-use super::block::{Block, BlockTape, BlockWork, Layout};
+use super::block::{Block, BlockTape, BlockWork, Layout, WeightGradients};
 use super::linear::Linear;
 use super::names::block_names;
 use crate::GenerateError;
@@ -30,6 +30,16 @@ pub(crate) struct StackTape {
     skips: Vec<Vec<f32>>,
     joined: Vec<f32>,
     work: BlockWork,
+    /// Whether a forward pass keeps what the gradients of weights need: what went into the joins, too.
+    kept: bool,
+    joins: Vec<Vec<f32>>,
+}
+
+impl StackTape {
+    /// For a forward pass that the gradients of weights are asked of.
+    pub(crate) fn for_learning() -> Self {
+        Self { kept: true, ..Self::default() }
+    }
 }
 
 /// What stands behind the last block.
@@ -86,7 +96,9 @@ impl Stack {
     ) {
         let skips = self.joins.len();
         tape.blocks.resize_with(self.blocks.len(), BlockTape::default);
+        tape.blocks.iter_mut().for_each(|block| block.keep_inputs(tape.kept));
         tape.skips.resize_with(skips, Vec::new);
+        tape.joins.resize_with(skips, Vec::new);
         for (at, block) in self.blocks.iter().enumerate() {
             if let Some(join) = at.checked_sub(skips + 1).and_then(|join| self.joins.get(join)) {
                 let skip = &tape.skips[2 * skips - at];
@@ -97,6 +109,10 @@ impl Stack {
                     joined[self.width..].copy_from_slice(skip);
                 }
                 join.forward(&tape.joined, x);
+                if let (true, Some(kept)) = (tape.kept, tape.joins.get_mut(at - skips - 1)) {
+                    kept.clear();
+                    kept.extend_from_slice(&tape.joined);
+                }
             }
             block.forward(x, layout, &mut tape.blocks[at], &mut tape.work);
             if let Some(residual) = residuals.and_then(|residuals| residuals.get(at)) {
@@ -124,8 +140,36 @@ impl Stack {
         grad_memory: &mut [f32],
         tape: &mut StackTape,
     ) {
+        self.back(grad, layout, grad_memory, tape, true, None);
+    }
+
+    /// From the gradient of what came out of a forward pass with a tape [`StackTape::for_learning`] to that of what went in, in
+    /// place; what weights get of it is added to theirs, and the memory's to `grad_memory`.
+    pub(crate) fn backward(
+        &self,
+        grad: &mut [f32],
+        layout: Layout<'_>,
+        grad_memory: &mut [f32],
+        tape: &mut StackTape,
+        weights: &mut WeightGradients<'_>,
+    ) {
+        self.back(grad, layout, grad_memory, tape, false, Some(weights));
+    }
+
+    fn back(
+        &self,
+        grad: &mut [f32],
+        layout: Layout<'_>,
+        grad_memory: &mut [f32],
+        tape: &mut StackTape,
+        memory_only: bool,
+        mut weights: Option<&mut WeightGradients<'_>>,
+    ) {
         let skips = self.joins.len();
         if let Some(norm) = &self.norm {
+            if let Some(to) = weights.as_deref_mut() {
+                norm.weight_gradient(grad, &tape.norm, to.row);
+            }
             norm.backward(grad, &tape.norm);
         }
         for (at, block) in self.blocks.iter().enumerate().rev() {
@@ -133,8 +177,13 @@ impl Stack {
             if let Some(skip) = tape.skips.get(at) {
                 add(grad, skip);
             }
-            block.backward(grad, layout, grad_memory, at == 0, &tape.blocks[at], &mut tape.work);
+            let only = memory_only && at == 0;
+            let own = &tape.blocks[at];
+            block.backward(grad, layout, grad_memory, only, own, &mut tape.work, weights.as_deref_mut());
             if let Some(join) = at.checked_sub(skips + 1).and_then(|join| self.joins.get(join)) {
+                if let Some(to) = weights.as_deref_mut() {
+                    join.weight_gradient(&tape.joins[at - skips - 1], grad, to.row, to.work);
+                }
                 join.backward(grad, fit(&mut tape.joined, 2 * grad.len()), false);
                 let skip = &mut tape.skips[2 * skips - at];
                 let rows = grad.chunks_exact_mut(self.width).zip(skip.chunks_exact_mut(self.width));

@@ -13,14 +13,23 @@ use inkrig_motion::humanml::WIDTH;
 /// Encoder and decoder. Features are normalised rows of [`WIDTH`] numbers, a latent is `latent_tokens x width` numbers.
 #[derive(Debug, Clone)]
 pub struct Vae {
-    sizes: Sizes,
-    tokens: Vec<f32>,
-    encoder_positions: Vec<f32>,
-    embed: Linear,
-    encoder: Stack,
-    decoder_positions: Vec<f32>,
-    decoder: Stack,
-    last: Linear,
+    pub(super) sizes: Sizes,
+    pub(super) tokens: Vec<f32>,
+    pub(super) encoder_positions: Vec<f32>,
+    pub(super) embed: Linear,
+    pub(super) encoder: Stack,
+    pub(super) decoder_positions: Vec<f32>,
+    pub(super) decoder: Stack,
+    pub(super) last: Linear,
+    pub(super) places: TablePlaces,
+}
+
+/// Where the gradients of tables that are no layers begin in the row of all.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TablePlaces {
+    pub(super) tokens: usize,
+    pub(super) encoder_positions: usize,
+    pub(super) decoder_positions: usize,
 }
 
 /// What the encoder says of a clip: a normal distribution for each number of the latent.
@@ -67,6 +76,11 @@ impl Vae {
             decoder_positions: positions(weights, "vae.query_pos_decoder.pe", sizes)?,
             decoder: stack("vae.decoder", true)?,
             last: Linear::new(weights, "vae.final_layer", WIDTH, sizes.width)?,
+            places: TablePlaces {
+                tokens: weights.place("vae.global_motion_token"),
+                encoder_positions: weights.place("vae.query_pos_encoder.pe"),
+                decoder_positions: weights.place("vae.query_pos_decoder.pe"),
+            },
             sizes: sizes.clone(),
         })
     }

@@ -1,9 +1,9 @@
 //! Layer normalisation and its gradient.
 
-use super::elementwise::{dot, sum};
+use super::elementwise::{add, dot, sum};
 use super::fit;
 use crate::GenerateError;
-use crate::weights::Tensors;
+use crate::weights::{Slots, Tensors};
 use pulp::Arch;
 
 /// What PyTorch adds to the variance.
@@ -14,6 +14,7 @@ const EPSILON: f32 = 1e-5;
 pub(crate) struct LayerNorm {
     scale: Vec<f32>,
     shift: Vec<f32>,
+    slots: Slots,
 }
 
 /// What the gradient needs of a forward pass.
@@ -29,7 +30,7 @@ impl LayerNorm {
     pub(crate) fn new(weights: &Tensors, name: &str, width: usize) -> Result<Self, GenerateError> {
         let scale = weights.expect(&format!("{name}.weight"), &[width])?.to_vec();
         let shift = weights.expect(&format!("{name}.bias"), &[width])?.to_vec();
-        Ok(Self { scale, shift })
+        Ok(Self { scale, shift, slots: Slots::of(weights, name) })
     }
 
     /// In place.
@@ -57,6 +58,21 @@ impl LayerNorm {
                 }
             },
         );
+    }
+
+    /// What scale and shift get of the gradient of the result, added to `weights`.
+    pub(crate) fn weight_gradient(&self, grad: &[f32], kept: &Normalised, weights: &mut [f32]) {
+        let width = self.scale.len();
+        let mut sums = [vec![0.0_f32; width], vec![0.0_f32; width]];
+        for (grad, row) in grad.chunks_exact(width).zip(kept.rows.chunks_exact(width)) {
+            let [scale, shift] = &mut sums;
+            for (((scale, shift), grad), row) in scale.iter_mut().zip(shift).zip(grad).zip(row) {
+                *scale += grad * row;
+                *shift += grad;
+            }
+        }
+        add(&mut weights[self.slots.weight..][..width], &sums[0]);
+        add(&mut weights[self.slots.bias..][..width], &sums[1]);
     }
 
     /// From the gradient of the result to that of what went in, in place.
@@ -88,7 +104,8 @@ mod tests {
 
     #[test]
     fn rows_are_normal_and_the_gradient_is_a_difference() {
-        let norm = LayerNorm { scale: numbers(1, 20), shift: numbers(2, 20) };
+        let norm =
+            LayerNorm { scale: numbers(1, 20), shift: numbers(2, 20), slots: Slots { weight: 0, bias: 20 } };
         let (x, way) = (numbers(3, 40), numbers(4, 40));
         let run = |x: &[f32]| {
             let (mut out, mut kept) = (x.to_vec(), Normalised::default());
@@ -102,6 +119,12 @@ mod tests {
         );
         let mut grad = way.clone();
         norm.backward(&mut grad, &kept);
+        let mut weights = vec![0.0; 40];
+        norm.weight_gradient(&way, &kept, &mut weights);
+        let shift: f32 = [0, 20].iter().map(|row| way[row + 3]).sum();
+        assert!((weights[23] - shift).abs() < 1e-5);
+        let scale: f32 = [0, 20].iter().map(|row| way[row + 3] * kept.rows[row + 3]).sum();
+        assert!((weights[3] - scale).abs() < 1e-5);
         for at in [0, 7, 25] {
             let (mut more, mut less) = (x.clone(), x.clone());
             more[at] += 1e-2;

@@ -106,6 +106,53 @@ pub(crate) fn multiply(x: Rows<'_>, packed: &Packed, bias: Option<&[f32]>, out: 
     Arch::new().dispatch(Product { x, packed, bias, out });
 }
 
+/// Buffers of [`add_weight_gradient`].
+#[derive(Debug, Clone, Default)]
+pub(crate) struct OuterWork {
+    packed: Packed,
+    turned: Vec<f32>,
+}
+
+/// Rows that are turned and packed at a time, so that a panel stays in the nearest cache.
+const OUTER_ROWS: usize = 256;
+
+/// `out += grad^T x`: from what came out of a linear layer (rows of `outputs` numbers) and what went in (`inputs`), the
+/// gradient of its weight, outputs x inputs.
+pub(crate) fn add_weight_gradient(
+    grad: &[f32],
+    outputs: usize,
+    x: &[f32],
+    inputs: usize,
+    out: &mut [f32],
+    work: &mut OuterWork,
+) {
+    let chunks = grad.chunks(OUTER_ROWS * outputs).zip(x.chunks(OUTER_ROWS * inputs));
+    for (grad, x) in chunks {
+        let rows = grad.len() / outputs;
+        work.turned.resize(grad.len(), 0.0);
+        turn(grad, outputs, rows, &mut work.turned);
+        work.packed.fill(x, rows, inputs, inputs);
+        let turned = Rows { data: &work.turned, stride: rows, count: outputs };
+        multiply(turned, &work.packed, None, Out { data: out, stride: inputs, add: true });
+    }
+}
+
+/// In squares, so that both tables are read and written by cache lines.
+fn turn(table: &[f32], width: usize, height: usize, out: &mut [f32]) {
+    const SIDE: usize = 16;
+    for top in (0..height).step_by(SIDE) {
+        let bottom = (top + SIDE).min(height);
+        for left in (0..width).step_by(SIDE) {
+            for column in left..(left + SIDE).min(width) {
+                let line = &mut out[column * height + top..column * height + bottom];
+                for (value, row) in line.iter_mut().zip(top..bottom) {
+                    *value = table[row * width + column];
+                }
+            }
+        }
+    }
+}
+
 struct Product<'a> {
     x: Rows<'a>,
     packed: &'a Packed,
@@ -210,6 +257,16 @@ mod tests {
             let mut expected = plain(&x, rows, &weight, outputs, inputs);
             expected.iter_mut().enumerate().for_each(|(at, value)| *value += bias[at % outputs]);
             assert!(apart(&out, &expected) < 2e-5, "{rows} {outputs} {inputs}");
+
+            // What the layer's own weight gets of a gradient, added to what is there.
+            let mut of_weight = vec![1.0; outputs * inputs];
+            add_weight_gradient(&out, outputs, &x, inputs, &mut of_weight, &mut OuterWork::default());
+            let (mut turned_out, mut turned_x) = (vec![0.0; out.len()], vec![0.0; x.len()]);
+            turn(&out, outputs, rows, &mut turned_out);
+            turn(&x, inputs, rows, &mut turned_x);
+            let outer = plain(&turned_out, outputs, &turned_x, inputs, rows);
+            let expected: Vec<f32> = outer.iter().map(|value| value + 1.0).collect();
+            assert!(apart(&of_weight, &expected) < 2e-3, "{rows} {outputs} {inputs}");
 
             // The transposed one, added to what is there.
             let mut back = vec![1.0; rows * inputs];

@@ -4,4 +4,5 @@ mod fill;
 mod tensors;
 
 pub use fill::{hashed, hashed_tensor, random};
+pub(crate) use tensors::Slots;
 pub use tensors::{Tensor, Tensors};

@@ -2,6 +2,7 @@
 
 use crate::GenerateError;
 use std::collections::BTreeMap;
+use std::ops::Bound;
 
 /// Numbers and their shape, row-major: the last axis is the quickest.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,6 +89,38 @@ impl Tensors {
         self.by_name.iter().map(|(name, tensor)| (name.as_str(), tensor))
     }
 
+    /// Where the numbers of one begin when all are laid in a row, sorted by name; what a gradient is laid out by.
+    pub(crate) fn place(&self, name: &str) -> usize {
+        let before = self.by_name.range::<str, _>((Bound::Unbounded, Bound::Excluded(name)));
+        before.map(|(_, tensor)| tensor.data.len()).sum()
+    }
+
+    /// All numbers in a row, tensors sorted by name.
+    pub fn row(&self) -> Vec<f32> {
+        self.by_name.values().flat_map(|tensor| tensor.data.iter().copied()).collect()
+    }
+
+    /// The same tensors with other numbers, given as [`Self::row`] gives them.
+    ///
+    /// # Errors
+    /// [`GenerateError::Length`] when there are more or fewer.
+    pub fn with_row(&self, row: &[f32]) -> Result<Self, GenerateError> {
+        if row.len() != self.numbers() {
+            let (what, expected) = ("numbers of all weights", self.numbers());
+            return Err(GenerateError::Length { what, expected, got: row.len() });
+        }
+        let mut rest = row;
+        let mut take = |count: usize| {
+            let (own, others) = rest.split_at(count);
+            rest = others;
+            own.to_vec()
+        };
+        let tensors = self.by_name.iter().map(|(name, old)| {
+            (name.clone(), Tensor { shape: old.shape.clone(), data: take(old.data.len()) })
+        });
+        Ok(Self { by_name: tensors.collect() })
+    }
+
     /// How many tensors there are.
     pub fn len(&self) -> usize {
         self.by_name.len()
@@ -101,6 +134,20 @@ impl Tensors {
     /// How many numbers there are in all.
     pub fn numbers(&self) -> usize {
         self.by_name.values().map(|tensor| tensor.data.len()).sum()
+    }
+}
+
+/// Where the gradients of a layer's weight and bias begin in the row of all.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Slots {
+    pub(crate) weight: usize,
+    pub(crate) bias: usize,
+}
+
+impl Slots {
+    pub(crate) fn of(weights: &Tensors, name: &str) -> Self {
+        let place = |part: &str| weights.place(&format!("{name}{part}"));
+        Self { weight: place(".weight"), bias: place(".bias") }
     }
 }
 

@@ -1,0 +1,10 @@
+//! Gradients of weights, by the same arithmetic that runs the networks: what training on a CPU needs.
+//!
+//! A gradient is one row of numbers in the order of [`crate::weights::Tensors::row`]; an optimiser moves that row, and the network is made
+//! of it anew.
+
+mod orthogonal;
+mod vae;
+
+pub use orthogonal::orthogonalise;
+pub use vae::{VaeLearner, VaeLosses, VaeObjective};
