@@ -179,18 +179,18 @@ class Peer(nn.Module):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--rounds", type=int, default=9)
-    parser.add_argument("--binary", help="the built example `speed`; built now if not given")
+    parser.add_argument("--binary", help="the built example `generation_speed`; built now if not given")
     arguments = parser.parse_args()
     torch.manual_seed(0)
     torch.set_num_threads(1)
     peer = Peer().eval().requires_grad_(False)
     binary = arguments.binary
     if not binary:
-        subprocess.run(["cargo", "build", "--release", "-p", "inkrig-generate", "--example", "speed"], cwd=ROOT, check=True)
-        binary = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release/examples/speed"
+        subprocess.run(["cargo", "build", "--release", "-p", "inkrig-generate", "--example", "generation_speed"], cwd=ROOT, check=True)
+        binary = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release/examples/generation_speed"
     ours = subprocess.Popen([binary, "serve"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     if not ours.stdout.readline():
-        sys.exit("the example `speed` said nothing: see its message above")
+        sys.exit("the example `generation_speed` said nothing: see its message above")
 
     def ask(name):
         ours.stdin.write(name + "\n")

@@ -3,14 +3,14 @@
 mod tracks;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context as _, Result, bail};
 use serde_json::Value;
 
-use crate::tools::{Context, find_program};
-use crate::{browser, demo, process};
+use crate::tools::Context;
+use crate::{browser, demo, process, python};
 use tracks::{Comparison, Tracks};
 
 /// The version that Blender's wheel is made for.
@@ -105,35 +105,10 @@ impl Importer {
             command.arg(script).arg(modules);
             Ok(command)
         } else {
-            let mut command = Command::new(python(context)?);
+            let requirements = "xtask/interop/requirements.txt";
+            let mut command = Command::new(python::environment(context, "interop", requirements, &PYTHON)?);
             command.arg("-B").arg(script);
             Ok(command)
         }
     }
-}
-
-/// The Python of a virtual environment in the cache folder that holds what `requirements.txt` pins; made when it is
-/// not there, which takes a minute and 1.5 GB.
-fn python(context: &Context) -> Result<PathBuf> {
-    let wanted = context.root.join("xtask/interop/requirements.txt");
-    let pinned = fs::read(&wanted).context("cannot read xtask/interop/requirements.txt")?;
-    let folder = context.cache.join("interop-python");
-    let programs = folder.join(if cfg!(windows) { "Scripts" } else { "bin" });
-    let python = programs.join(format!("python{}", std::env::consts::EXE_SUFFIX));
-    // Written last, so a broken install is not taken for a whole one.
-    let done = folder.join("installed.txt");
-    if fs::read(&done).is_ok_and(|installed| installed == pinned) {
-        return Ok(python);
-    }
-    let base =
-        find_program(&PYTHON).context("not installed: python3.11, for which Blender's wheel is made")?;
-    demo::empty(&folder)?;
-    process::run(Command::new(base).args(["-m", "venv"]).arg(&folder))?;
-    pip(&python, &["install", "--quiet", "--disable-pip-version-check", "--requirement"], &wanted)?;
-    fs::write(&done, pinned)?;
-    Ok(python)
-}
-
-fn pip(python: &Path, arguments: &[&str], file: &Path) -> Result<()> {
-    process::run(Command::new(python).args(["-m", "pip"]).args(arguments).arg(file))
 }

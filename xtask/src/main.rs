@@ -13,12 +13,14 @@ mod glb;
 mod gpu;
 mod interop;
 mod process;
+mod python;
 mod readme;
 mod samples;
 mod setup;
 mod step;
 mod test;
 mod tools;
+mod torch;
 
 use std::process::ExitCode;
 
@@ -94,6 +96,8 @@ enum Command {
     },
     /// Check that training still builds for graphics processors, or say what is missing
     GpuCheck,
+    /// Have PyTorch write checkpoints, import them and compare every bit (fetches 200 MB, once)
+    TorchCheck,
     /// Run the benchmarks
     Bench {
         /// Filter and options for criterion
@@ -123,6 +127,7 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Fuzz { seconds, filter } => fuzz::run(&context, seconds, filter.as_deref())?,
         Command::Interop { importer } => interop::run(&context, importer.as_deref())?,
         Command::GpuCheck => gpu::run(&context)?,
+        Command::TorchCheck => torch::run(&context)?,
         Command::Bench { arguments } => bench::run(&context, &arguments)?,
     }
     Ok(ExitCode::SUCCESS)

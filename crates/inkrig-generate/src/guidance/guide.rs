@@ -56,6 +56,8 @@ pub enum Method {
         steps: usize,
         /// Length of a step, divided by the number of frames asked for.
         rate: f64,
+        /// Whether the first number of every latent token stays as it is, as in the published code.
+        spare_first: bool,
     },
 }
 
@@ -167,7 +169,9 @@ impl<'a> Guide<'a> {
                 let after = after.unwrap_or(before);
                 Ok(Guided { before, after, evaluations: optimiser.evaluations() })
             }
-            Method::FirstOrder { steps, rate } => step.descend(moved, *steps, *rate),
+            Method::FirstOrder { steps, rate, spare_first } => {
+                step.descend(moved, *steps, *rate, *spare_first)
+            }
         }
     }
 
@@ -250,7 +254,13 @@ impl GuidedStep<'_, '_> {
         }
     }
 
-    fn descend(&mut self, x: &mut [f32], steps: usize, rate: f64) -> Result<Guided, GenerateError> {
+    fn descend(
+        &mut self,
+        x: &mut [f32],
+        steps: usize,
+        rate: f64,
+        spare_first: bool,
+    ) -> Result<Guided, GenerateError> {
         let mut gradient = vec![0.0; x.len()];
         let before = self.evaluate(x, &mut gradient)?;
         let each = self.guide.vae.latent_width();
@@ -260,6 +270,9 @@ impl GuidedStep<'_, '_> {
         for _ in 0..steps {
             let factor = self.clean(x);
             self.guide.distance(&self.clean, false, f64::from(factor), &mut gradient)?;
+            if spare_first {
+                gradient.iter_mut().step_by(self.guide.vae.sizes().width).for_each(|first| *first = 0.0);
+            }
             let clips = x.chunks_exact_mut(each).zip(gradient.chunks_exact(each));
             for (rate, (x, gradient)) in rates.iter().zip(clips) {
                 for (x, gradient) in x.iter_mut().zip(gradient) {
@@ -303,7 +316,7 @@ mod tests {
             (0..9).map(|frame| Ask { frame, joint: 10, place: Vec3::new(0.1, 0.2, 0.1 * frame as f32) });
         let asks: Vec<Ask> = asks.collect();
         let second = Method::SecondOrder { options: LbfgsOptions::default(), early: 1, late: 2 };
-        let first = Method::FirstOrder { steps: 10, rate: 1.0 };
+        let first = |spare_first| Method::FirstOrder { steps: 10, rate: 1.0, spare_first };
         for view in [View::Space, View::Plane(Camera::default())] {
             let target = Target { view, asks: asks.clone() };
             let clips =
@@ -311,17 +324,21 @@ mod tests {
             for (variable, method, mean) in [
                 (Variable::Noise, second.clone(), Mean::AllEntries),
                 (Variable::Latent, second.clone(), Mean::Asked),
-                (Variable::Noise, first.clone(), Mean::Asked),
+                (Variable::Noise, first(false), Mean::Asked),
+                (Variable::Noise, first(true), Mean::Asked),
             ] {
                 let (latents, noise) =
                     (Noise::new(1).normals(2 * sizes.width), Noise::new(2).normals(2 * sizes.width));
                 let mut guide = Guide::new(&vae, &statistics, &clips);
-                let options = GuidanceOptions { variable, method, mean, step_early: false };
+                let options = GuidanceOptions { variable, method: method.clone(), mean, step_early: false };
                 let (mut moved_latents, mut moved_noise) = (latents.clone(), noise.clone());
                 let done = guide.run(&mut moved_latents, &mut moved_noise, 0.4, false, &options).unwrap();
                 assert!(done.after < 0.8 * done.before, "{options:?}: {done:?}");
                 assert_eq!(moved_latents == latents, variable == Variable::Noise);
                 assert_eq!(moved_noise == noise, variable == Variable::Latent);
+                let spared = matches!(method, Method::FirstOrder { spare_first: true, .. });
+                let firsts = moved_noise.iter().zip(&noise).step_by(sizes.width);
+                assert!(!spared || firsts.clone().all(|(moved, before)| moved == before));
             }
         }
     }

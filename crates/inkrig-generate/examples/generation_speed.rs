@@ -1,6 +1,6 @@
 //! How long the second engine takes, full size, 40 frames, one core: the least CPU time of some rounds, in milliseconds.
 //!
-//!     cargo run --release -p inkrig-generate --example speed [ROUNDS]
+//!     cargo run --release -p inkrig-generate --example generation_speed [ROUNDS]
 //!
 //! With `serve` it takes the name of a workload a line and answers with milliseconds, for `benches/peers/generate.py`.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "an example for developers")]
