@@ -63,7 +63,7 @@ pub(crate) fn npm() -> Option<PathBuf> {
     find_program(&["npm"])
 }
 
-fn chromium() -> Option<PathBuf> {
+pub(crate) fn chromium() -> Option<PathBuf> {
     if let Some(named) = env::var_os("CHROMIUM").filter(|named| !named.is_empty()) {
         return Some(named.into());
     }

@@ -21,6 +21,7 @@ mod step;
 mod test;
 mod tools;
 mod torch;
+mod web;
 
 use std::process::ExitCode;
 
@@ -37,6 +38,7 @@ Examples:
   cargo xtask samples                 make the files in samples/ again
   cargo xtask fuzz --seconds 60       each fuzz test for a minute
   cargo xtask interop                 Blender, usd-core and three.js read our files (fetches 400 MB, once)
+  cargo xtask studio -- --open        build the studio's page and the program, and open it
   cargo xtask bench -- dense          the benchmarks with `dense` in their name
 
 Environment:
@@ -94,6 +96,16 @@ enum Command {
         #[arg(long)]
         importer: Option<String>,
     },
+    /// Build the studio's page into web/dist (npm); the program's next build embeds it
+    Web,
+    /// Drive the studio in Chromium as a user would; pictures go to target/studio
+    WebTest,
+    /// Build the studio's page and the program, and run the studio
+    Studio {
+        /// Options and files for `inkrig studio`
+        #[arg(last = true)]
+        arguments: Vec<String>,
+    },
     /// Check that training still builds for graphics processors, or say what is missing
     GpuCheck,
     /// Have PyTorch write checkpoints, import them and compare every bit (fetches 200 MB, once)
@@ -126,6 +138,13 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Samples => samples::make(&context)?,
         Command::Fuzz { seconds, filter } => fuzz::run(&context, seconds, filter.as_deref())?,
         Command::Interop { importer } => interop::run(&context, importer.as_deref())?,
+        Command::Web => web::build(&context).map(drop)?,
+        Command::WebTest => {
+            if let step::Verdict::Skipped(why) = web::check(&context)? {
+                println!("skipped: {why}");
+            }
+        }
+        Command::Studio { arguments } => web::studio(&context, &arguments)?,
         Command::GpuCheck => gpu::run(&context)?,
         Command::TorchCheck => torch::run(&context)?,
         Command::Bench { arguments } => bench::run(&context, &arguments)?,

@@ -1,0 +1,23 @@
+import type { LabelSegment } from '../api/types';
+
+/** The segment's own colour, else one that its name always has. */
+export function labelColour(all: readonly LabelSegment[], label: LabelSegment, dark: boolean): string {
+  if (label.colour && /^#[0-9a-f]{6}$/i.test(label.colour)) return label.colour;
+  const names = [...new Set(all.map((other) => other.name))];
+  const hue = (names.indexOf(label.name) * 137.5 + 255) % 360;
+  return `oklch(${dark ? 0.74 : 0.5} 0.12 ${hue.toFixed(0)})`;
+}
+
+/** Moves the border behind a segment by some seconds; the neighbour gives or takes them. */
+export function moveBorder(labels: readonly LabelSegment[], index: number, seconds: number): LabelSegment[] {
+  const [a, b] = [labels[index], labels[index + 1]];
+  if (!a) return [...labels];
+  const least = 0.1;
+  const by = Math.max(least - a.seconds, b ? Math.min(seconds, b.seconds - least) : seconds);
+  const round = (value: number) => Number(value.toFixed(2));
+  return labels.map((label, i) => {
+    if (i === index) return { ...label, seconds: round(a.seconds + by) };
+    if (b && i === index + 1) return { ...label, seconds: round(b.seconds - by) };
+    return label;
+  });
+}

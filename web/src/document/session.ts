@@ -1,0 +1,194 @@
+import { listen } from '../api/events';
+import { bytes, get, Refused } from '../api/http';
+import { Live } from '../api/live';
+import { readPlan, type Plan } from '../api/plan';
+import { readPoses, rigOf, type Poses, type Rig } from '../api/poses';
+import type { ClipDetail, Control, Info, JobState, ProjectState, Result, SkeletonInfo, Suggestions } from '../api/types';
+import { Signal } from '../base/signal';
+import { duration, type Motion } from '../viewport/motion';
+import { Player } from './player';
+import { SourceClips } from './source';
+import { Store } from './store';
+
+/** Which source frame (counted through all clips) every control sample is made of. */
+export interface Used {
+  readonly rate: number;
+  readonly frames: ArrayLike<number>;
+  readonly confidence: readonly number[] | null;
+}
+
+/** From the pen's move to its pose on the screen, milliseconds. */
+export interface Latency {
+  readonly solve: number;
+  readonly whole: number;
+}
+
+/** All that the rooms of the page share: the project, what was made of it, and where one is. */
+export class Session {
+  readonly store: Store;
+  readonly player = new Player();
+  readonly live: Live;
+  readonly source = new Signal<SourceClips>(new SourceClips([]));
+  readonly clips = new Signal<ReadonlyMap<string, ClipDetail>>(new Map());
+  readonly motion = new Signal<Motion | null>(null);
+  readonly used = new Signal<Used | null>(null);
+  readonly result = new Signal<Result | null>(null);
+  readonly plan = new Signal<Plan | null>(null);
+  readonly suggestions = new Signal<Suggestions | null>(null);
+  readonly job = new Signal<JobState | null>(null);
+  readonly problem = new Signal<{ message: string; hint: string | null } | null>(null);
+  readonly connected = new Signal(false);
+  readonly latency = new Signal<Latency | null>(null);
+  /** The drawing while it is being drawn or replaced; null at rest. */
+  readonly drawing = new Signal<Control | null>(null);
+  /** Whether what is shown is not yet the full result of the document. */
+  readonly stale = new Signal(false);
+  readonly #rigs = new Map<string, { clip: ClipDetail; rig: Rig; motion: Motion }>();
+  #sent = new Map<string, number>();
+  #sources = '';
+  #rig: Rig | null = null;
+  #loading = 0;
+
+  constructor(
+    readonly info: Info,
+    state: ProjectState,
+  ) {
+    this.store = new Store(state);
+    this.live = new Live({
+      connected: (is) => {
+        if (is && !this.connected.value && this.motion.value) void this.store.reload().catch(() => undefined);
+        this.connected.value = is;
+        if (!is) this.store.saved.value = 'offline';
+      },
+      poses: (buffer) => this.#poses(buffer),
+      said: (message) => {
+        if (message.type === 'committed') {
+          this.drawing.value = null;
+          void this.store.follow(message, { control: message.control });
+        } else if (message.type === 'drawing') this.drawing.value = message.control;
+        else if (message.type === 'problem') this.problem.value = message;
+      },
+    });
+    listen({
+      project: (event) => void this.store.follow(event, null),
+      job: (job) => (this.job.value = job),
+      result: ({ id }) => void this.#load(id),
+      problem: (problem) => (this.problem.value = problem),
+    });
+    this.store.document.watch(() => void this.#sourceChanged());
+    this.store.document.subscribe(() => (this.stale.value = true));
+    this.job.value = state.job;
+  }
+
+  static async open(): Promise<Session> {
+    const [info, state] = await Promise.all([get<Info>('info'), get<ProjectState>('project')]);
+    const session = new Session(info, state);
+    await session.#sourceChanged();
+    if (state.result) await session.#load(state.result);
+    return session;
+  }
+
+  /** A clip with its skeleton and poses, fetched once. */
+  async clip(id: string): Promise<{ clip: ClipDetail; rig: Rig; motion: Motion }> {
+    const known = this.#rigs.get(id);
+    if (known) return known;
+    const [clip, poses] = await Promise.all([get<ClipDetail>(`clips/${id}`), bytes(`clips/${id}/poses`)]);
+    const rig = rigOf(clip);
+    const loaded = { clip, rig, motion: readPoses(poses, rig).motion };
+    this.#rigs.set(id, loaded);
+    this.clips.value = new Map(this.clips.value).set(id, clip);
+    return loaded;
+  }
+
+  /** Remembers when points went out, to say how long their poses took. */
+  sent(stroke: number, message: number): void {
+    this.#sent.set(`${stroke}/${message}`, performance.now());
+    if (this.#sent.size > 400) this.#sent = new Map([...this.#sent].slice(-200));
+  }
+
+  async #sourceChanged(): Promise<void> {
+    const { clips } = this.store.document.value.source;
+    const name = clips.join(' ');
+    if (name === this.#sources) return;
+    this.#sources = name;
+    try {
+      const loaded = await Promise.all(clips.map((id) => this.clip(id)));
+      if (name !== this.#sources) return;
+      this.#rig = loaded[0]?.rig ?? null;
+      this.source.value = new SourceClips(loaded);
+      this.motion.value = loaded[0]?.motion ?? null;
+      this.used.value = null;
+      this.result.value = null;
+      this.plan.value = null;
+      this.player.rate = loaded[0]?.clip.frameRate ?? 30;
+      this.player.setDuration(this.motion.value ? duration(this.motion.value) : 0);
+      this.suggestions.value = null;
+      if (clips.length > 0) this.suggestions.value = await get<Suggestions>('suggestions?count=8');
+    } catch (error) {
+      this.#failed(error);
+    }
+  }
+
+  #poses(buffer: ArrayBuffer): void {
+    if (!this.#rig) return;
+    let poses: Poses;
+    try {
+      poses = readPoses(buffer, this.#rig);
+    } catch {
+      // Poses of a character that was just exchanged: newer ones follow.
+      return;
+    }
+    this.#show(poses);
+    this.problem.value = null;
+    const begin = this.#sent.get(`${poses.stroke}/${poses.message}`);
+    if (begin === undefined) return;
+    this.#sent.delete(`${poses.stroke}/${poses.message}`);
+    requestAnimationFrame(() => (this.latency.value = { solve: poses.milliseconds, whole: performance.now() - begin }));
+  }
+
+  #show(poses: Poses): void {
+    this.motion.value = poses.motion;
+    this.used.value = { rate: poses.sampleRate, frames: poses.used, confidence: null };
+    this.player.rate = poses.motion.rate;
+    this.player.setDuration(duration(poses.motion));
+  }
+
+  async #load(id: string): Promise<void> {
+    const turn = (this.#loading += 1);
+    try {
+      const [result, poses, plan] = await Promise.all([
+        get<Result>(`results/${id}`),
+        bytes(`results/${id}/poses`),
+        bytes(`results/${id}/plan?width=600&height=160`),
+      ]);
+      const rig = await this.#rigOf(result);
+      // A newer one came, or a stroke goes on.
+      if (turn !== this.#loading || this.drawing.value) return;
+      this.#show(readPoses(poses, rig));
+      this.#rig = rig;
+      this.result.value = result;
+      this.plan.value = readPlan(plan);
+      const used = this.used.value;
+      if (used) this.used.value = { ...used, confidence: result.used.confidence };
+      this.problem.value = null;
+      this.stale.value = false;
+    } catch (error) {
+      if (turn === this.#loading) this.#failed(error);
+    }
+  }
+
+  /** The skeleton of the result: the clip's, unless a root bone was put in. */
+  async #rigOf(result: Result): Promise<Rig> {
+    const { clip, rig } = await this.clip(result.clipForSkeleton);
+    const { root } = this.store.document.value.settings;
+    if (result.kind === 'align' && root !== 'bone' && root !== 'hips') return rig;
+    const own = await get<{ skeleton: SkeletonInfo; limbs: ClipDetail['limbs'] } | SkeletonInfo>(`results/${result.id}/skeleton`);
+    return 'skeleton' in own ? rigOf(own) : own.joints.length === clip.joints ? rig : rigOf({ skeleton: own, limbs: clip.limbs });
+  }
+
+  #failed(error: unknown): void {
+    const refused = error instanceof Refused ? error : new Refused('page', String(error), null);
+    // Without a connection the status line says so already.
+    if (refused.code !== 'unreachable') this.store.failed.value = refused;
+  }
+}

@@ -1,0 +1,222 @@
+import './style/tokens.css';
+import './style/layout.css';
+import './style/controls.css';
+
+import { bytes, Refused } from './api/http';
+import { postFor } from './api/http';
+import { byId, h } from './base/dom';
+import { css, rampAt } from './base/colour';
+import { scheme, setScheme, startScheme, theme } from './base/theme';
+import { Board } from './canvas/board';
+import { LabelBoard } from './canvas/labelboard';
+import { MotionBoard } from './canvas/motionboard';
+import { SoundBoard } from './canvas/soundboard';
+import { WaveBoard } from './canvas/waveboard';
+import { Controls } from './document/controls';
+import { Files } from './document/files';
+import { timeOf } from './document/keys';
+import { Session } from './document/session';
+import { Ui } from './document/ui';
+import { Carry } from './panels/carry';
+import { acceptDrops, pickFiles } from './panels/drop';
+import { showExport } from './panels/export';
+import { filesPanel } from './panels/files';
+import { guide } from './panels/guide';
+import { mapPanel } from './panels/map';
+import { keyHere, posesPanel } from './panels/poses';
+import { rail } from './panels/rail';
+import { Reference } from './panels/reference';
+import { reportPanel } from './panels/report';
+import { listenToKeys, showShortcuts } from './panels/shortcuts';
+import { side } from './panels/side';
+import { status } from './panels/status';
+import { toastFailures } from './panels/toast';
+import { toolbar } from './panels/toolbar';
+import { transport } from './panels/transport';
+import { tunePanel } from './panels/tune';
+import { toggleView, viewbar } from './panels/viewbar';
+import { Timeline } from './timeline/timeline';
+import { showSkin } from './viewport/skin';
+import { Stage } from './viewport/stage';
+import { poseAt } from './viewport/motion';
+
+startScheme();
+try {
+  start(await Session.open());
+} catch (error) {
+  const text = error instanceof Refused ? [error.message, error.hint].filter(Boolean).join(' ') : String(error);
+  byId('app').replaceChildren(h('p', { class: 'nothing', role: 'alert' }, h('b', {}, 'The studio did not open'), text));
+}
+
+function start(session: Session): void {
+  const ui = new Ui();
+  const controls = new Controls(session.store);
+  const files = new Files(session, controls, (text) => (ui.said.value = text));
+  const stage = new Stage(byId('stage') as HTMLCanvasElement);
+  const board = new Board(session, ui, byId('ink') as HTMLCanvasElement, byId('pen') as HTMLCanvasElement);
+  const timeline = new Timeline(session, ui, byId('lanes') as HTMLCanvasElement, byId('head') as HTMLCanvasElement);
+  const carry = new Carry(session, ui);
+  carry.targets.push(board, timeline);
+  const pick = () => pickFiles(files);
+
+  const acts = {
+    export: () => showExport(session),
+    help: showShortcuts,
+    guide: () => guide(session, ui, true),
+    side: () => byId('app').classList.toggle('wide'),
+  };
+  toolbar(byId('bar'), session, controls, acts);
+  rail(byId('tools'), byId('pen'), session, ui, board, controls);
+  viewbar(byId('view'), stage, []);
+  transport(byId('transport'), byId('timeline'), session);
+  status(byId('status'), session, ui);
+  toastFailures(byId('over'), session);
+  acceptDrops(files);
+  const reference = new Reference(session);
+  byId('watching').append(reference.element);
+  files.onvideo = (file) => reference.show(file);
+  side(byId('side'), [
+    { name: 'poses', text: 'Poses', panel: posesPanel(session, ui, carry) },
+    { name: 'map', text: 'Map', panel: mapPanel(session, ui, carry) },
+    { name: 'tune', text: 'Adjust', panel: tunePanel(session, controls) },
+    { name: 'report', text: 'Report', panel: reportPanel(session) },
+    { name: 'files', text: 'Files', panel: filesPanel(session, files, { pick, skin: (clip) => void skin(clip) }) },
+  ]);
+  boards();
+  watch();
+  keys();
+  ui.said.subscribe((text) => (byId('said').textContent = text));
+  guide(session, ui, false);
+
+  function boards(): void {
+    const wave = new WaveBoard(session, ui, controls);
+    const sound = new SoundBoard(session, controls, pick);
+    const others = { wave, labels: new LabelBoard(session, controls), sound, motion: new MotionBoard(session, controls, pick) };
+    byId('boards').append(...Object.values(others).map((other) => other.element));
+    wave.values.onchange = (values) => controls.kind.value === 'wave' && (timeline.wave = values);
+    sound.values.onchange = (values) => controls.kind.value === 'sound' && (timeline.wave = values);
+    controls.kind.watch((kind) => {
+      byId('board').hidden = kind !== 'curve';
+      byId('tools').hidden = kind !== 'curve';
+      byId('drawing-foot').hidden = kind !== 'curve';
+      for (const [name, other] of Object.entries(others)) other.element.hidden = name !== kind;
+    });
+    const invite = byId('invite');
+    const show = () => {
+      const { control, source } = session.store.document.value;
+      invite.hidden = control?.kind === 'curve' || session.drawing.value !== null;
+      invite.replaceChildren(h('b', {}, source.clips.length === 0 ? 'Drop a motion of your character' : 'Draw a line'), source.clips.length === 0 ? 'BVH, FBX or GLB, or take a sample under Files' : 'The character follows while the pen is down');
+    };
+    session.store.document.watch(show);
+    session.drawing.subscribe(show);
+    const ramp = h('span', { class: 'ramp', 'aria-hidden': 'true' });
+    byId('drawing-foot').append(h('span', {}, 'clip start'), ramp, h('span', {}, 'end'));
+    theme.watch(({ ramp: table }) => (ramp.style.background = `linear-gradient(to right, ${[0, 0.2, 0.4, 0.6, 0.8, 1].map((part) => css(rampAt(table, part))).join(', ')})`));
+    session.used.watch((used) => (byId('drawing-foot').style.visibility = used && session.store.document.value.control ? 'visible' : 'hidden'));
+  }
+
+  /** What the viewport shows follows from the result, the time, and what is pointed at. */
+  function watch(): void {
+    const sourceFrame = () => {
+      const used = session.used.value;
+      if (!used || used.frames.length === 0) return 0;
+      return used.frames[Math.min(Math.round(session.player.seconds.value * used.rate), used.frames.length - 1)] ?? 0;
+    };
+    const seek = () => {
+      const found = session.source.value.find(sourceFrame());
+      stage.seek(session.player.seconds.value, found ? found.frame / found.part.motion.rate : 0);
+      const text = session.used.value ? `clip ${session.source.value.describe(sourceFrame())}` : session.motion.value ? 'the clip as it is' : '';
+      if (byId('caption').textContent !== text) byId('caption').textContent = text;
+    };
+    session.motion.watch((motion) => {
+      if (motion) stage.show(motion);
+      seek();
+    });
+    session.source.watch((source) => {
+      stage.showSource(source.parts[0]?.motion ?? null);
+      stage.frame();
+    });
+    session.player.seconds.watch(seek);
+    session.used.subscribe(seek);
+    session.store.document.watch(({ keys: all }) => {
+      stage.keyTimes = all.filter((key) => key.kind === 'hard' && key.enabled).flatMap((key) => timeOf(key) ?? []);
+    });
+    const point = () => {
+      const selected = session.store.document.value.keys.find((key) => key.id === ui.selected.value)?.pose ?? null;
+      const found = ui.pointed.value === null ? null : session.source.value.find(ui.pointed.value);
+      const pose = found ? poseAt(found.part.motion, found.frame / found.part.motion.rate, new Float32Array(3 * found.part.motion.body.names.length)) : selected ? session.source.value.pose(selected.clip, selected.frame) : null;
+      stage.keyPose = pose;
+    };
+    ui.pointed.subscribe(point);
+    ui.selected.subscribe(point);
+    session.player.playing.subscribe((is) => {
+      if (is) ui.selected.value = null;
+    });
+  }
+
+  let unskin: (() => void) | null = null;
+  async function skin(clip: string | null): Promise<void> {
+    unskin?.();
+    if (unskin || !clip) {
+      unskin = null;
+      return;
+    }
+    const result = session.result.value;
+    try {
+      const glb = result ? await (await postFor('export', { of: result.id, format: 'glb', fps: null, name: null })).arrayBuffer() : await bytes(`clips/${clip}/file`);
+      unskin = await showSkin(stage, glb);
+    } catch (error) {
+      session.store.failed.value = error instanceof Refused ? error : new Refused('skin', `The skin cannot be shown: ${String(error)}`, null);
+    }
+  }
+
+  function keys(): void {
+    const { player, store } = session;
+    const kind = (name: Parameters<Controls['choose']>[0]) => () => controls.choose(name);
+    listenToKeys({
+      ' ': () => player.toggle(),
+      ',': () => player.step(-1),
+      '.': () => player.step(1),
+      ArrowLeft: () => player.step(-1),
+      ArrowRight: () => player.step(1),
+      Home: () => player.seek(0),
+      End: () => player.seek(player.duration.value),
+      L: () => (player.looping.value = !player.looping.value),
+      K: () => keyHere(session, ui),
+      D: () => (ui.tool.value = 'draw'),
+      R: () => (ui.tool.value = 'redraw'),
+      A: () => (ui.tool.value = 'add'),
+      V: () => (ui.tool.value = 'select'),
+      H: () => (ui.tool.value = 'hand'),
+      F: () => board.frame(),
+      'Shift+F': () => stage.frame(),
+      'Shift+D': () => setScheme(scheme() === 'dark' ? 'light' : 'dark'),
+      C: () => toggleView(stage, 'follow'),
+      G: () => toggleView(stage, 'ground'),
+      O: () => toggleView(stage, 'ghosts'),
+      T: () => toggleView(stage, 'trails'),
+      B: () => toggleView(stage, 'compare'),
+      '1': kind('curve'),
+      '2': kind('wave'),
+      '3': kind('labels'),
+      '4': kind('sound'),
+      '5': kind('motion'),
+      '\\': acts.side,
+      '?': showShortcuts,
+      'Ctrl+Z': () => void store.undo(),
+      'Ctrl+Shift+Z': () => void store.redo(),
+      'Ctrl+Y': () => void store.redo(),
+      'Ctrl+E': acts.export,
+      'Ctrl+O': pick,
+      Delete: removeKey,
+      Backspace: removeKey,
+      Escape: () => (ui.selected.value = null),
+    });
+    function removeKey(): void {
+      const id = ui.selected.value;
+      if (!id) return;
+      ui.selected.value = null;
+      store.edit('Remove key', [{ type: 'removeKey', id }]);
+    }
+  }
+}

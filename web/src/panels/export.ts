@@ -1,0 +1,114 @@
+import { get, post, postFor, Refused } from '../api/http';
+import { download, h } from '../base/dom';
+import type { Session } from '../document/session';
+import { button, row, section } from './controls';
+import { openDialog } from './dialog';
+
+interface Certificate {
+  readonly [name: string]: unknown;
+}
+
+/** Takes the result home: a file of any format, on another character if wanted, and the command that makes it again. */
+export function showExport(session: Session): void {
+  const result = session.result.value;
+  const formats = session.info.formats.filter((format) => format.write);
+  const format = h('select', {}, ...formats.map(({ extension, name }) => h('option', { value: extension }, `${name} (.${extension})`)));
+  const name = h('input', { type: 'text', value: fileName(session.store.document.value.name), spellcheck: 'false' });
+  const fps = h('input', { type: 'number', min: 1, max: 240, placeholder: 'own' });
+  const bake = h('select', {}, h('option', { value: 'dense' }, 'One a frame'), h('option', { value: 'sparse' }, 'Few, with tangents'), h('option', { value: 'stepped' }, 'Held, on twos'));
+  const source = session.store.document.value.source.clips[0];
+  const others = session.store.document.value.clips.filter((clip) => clip.role === 'motion' && clip.id !== source);
+  const onto = h('select', {}, h('option', { value: '' }, 'The clip’s own'), ...others.map((clip) => h('option', { value: clip.id }, clip.name)));
+  const certificate = h('div', {});
+  const problem = h('p', { class: 'note bad', hidden: true, role: 'alert' });
+  let carried: string | null = null;
+
+  onto.addEventListener('change', () => void retarget());
+  const retarget = async () => {
+    carried = null;
+    certificate.replaceChildren();
+    if (onto.value === '' || !result) return;
+    certificate.replaceChildren(h('p', { class: 'help' }, 'Putting it on the other character…'));
+    await attempt(async () => {
+      const done = await post<{ result: string; certificate: Certificate }>('retarget', { of: result.id, onto: onto.value, keepFeet: true, scale: null });
+      carried = done.result;
+      certificate.replaceChildren(show(done.certificate));
+    });
+  };
+  const attempt = async (work: () => Promise<void>) => {
+    problem.hidden = true;
+    try {
+      await work();
+    } catch (error) {
+      problem.hidden = false;
+      problem.textContent = error instanceof Refused ? [error.message, error.hint].filter(Boolean).join(' ') : String(error);
+    }
+  };
+  const save = button('Save file', () => void attempt(async () => {
+    const of = carried ?? result?.id ?? source;
+    if (!of) return;
+    const answer = await postFor('export', { of, format: format.value, fps: fps.value === '' ? null : Number(fps.value), name: name.value || null, bake: bakeOf(bake.value) });
+    download(await answer.blob(), `${name.value || 'motion'}.${format.value}`);
+  }), 'primary');
+  save.disabled = !result && !source;
+
+  const code = h('code', {});
+  const copy = button('Copy', () => void copyText(code.textContent ?? '', copy));
+  const command = section('The same on the command line', h('div', { class: 'command' }, code, copy));
+  command.hidden = true;
+  if (result) {
+    void get<{ text: string; files: string[] }>('command-line')
+      .then(({ text }) => {
+        code.textContent = text;
+        command.hidden = false;
+      })
+      .catch(() => undefined);
+  }
+  const content = h(
+    'div',
+    {},
+    result ? null : h('p', { class: 'note' }, 'Nothing was drawn yet: this saves the clip itself.'),
+    section('File', row('Format', format), row('Name', name), row('Frames a second', fps), row('Keys', bake)),
+    section('Character', row('Goes onto', onto), others.length === 0 ? h('p', { class: 'help' }, 'Drop a character’s file on the page to put the motion onto it.') : null, certificate),
+    command,
+    problem,
+  );
+  openDialog('Export', content, [save]);
+}
+
+function show(certificate: Certificate): HTMLElement {
+  const rows = Object.entries(certificate).flatMap(([key, value]) => {
+    if (typeof value === 'number') return [[words(key), Math.abs(value) < 10 ? value.toFixed(2) : value.toFixed(0)]];
+    if (typeof value === 'boolean') return [[words(key), value ? 'yes' : 'no']];
+    if (typeof value === 'string' && value.length < 60) return [[words(key), value]];
+    return [];
+  });
+  const table = h('table', {}, h('caption', { class: 'hidden' }, 'Certificate'), h('tbody', {}, ...rows.map(([key, value]) => h('tr', {}, h('th', { scope: 'row' }, key ?? ''), h('td', {}, value ?? '')))));
+  return h('div', { style: 'margin-top:8px' }, table);
+}
+
+function words(name: string): string {
+  const text = name.replace(/([A-Z])/g, ' $1').replace(/_/g, ' ').toLowerCase();
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
+function bakeOf(kind: string): unknown {
+  if (kind === 'sparse') return { kind, millimetres: 1, degrees: 0.5 };
+  return kind === 'stepped' ? { kind, frames: 2 } : { kind: 'dense' };
+}
+
+function fileName(name: string): string {
+  return name.trim().replace(/[^\p{L}\p{N}._-]+/gu, '-').replace(/^-+|-+$/g, '') || 'motion';
+}
+
+/** Over plain http to another machine there is no clipboard: then the text is only marked, to be copied by hand. */
+async function copyText(text: string, from: HTMLButtonElement): Promise<void> {
+  try {
+    await navigator.clipboard.writeText(text);
+    from.textContent = 'Copied';
+  } catch {
+    const code = from.parentElement?.querySelector('code');
+    if (code) window.getSelection()?.selectAllChildren(code);
+    from.textContent = 'Marked';
+  }
+}
