@@ -50,7 +50,8 @@ pub struct VaeLearner {
 }
 
 impl VaeLearner {
-    /// For a network of these sizes; `weights` holds the tensors of the VAE and no others.
+    /// For a network of these sizes; `weights` holds the tensors of the VAE and no others. They may
+    /// [prefer half precision](Tensors::prefer_half_precision).
     ///
     /// # Errors
     /// When a weight is missing or of another shape.

@@ -2,8 +2,10 @@
 
 use crate::GenerateError;
 use crate::numeric::elementwise::add;
+use crate::numeric::half::{HalfPacked, HalfWork, add_half_weight_gradient, multiply_half};
 use crate::numeric::product::{Out, OuterWork, Packed, Rows, add_weight_gradient, multiply};
 use crate::weights::{Slots, Tensors};
+use std::cell::RefCell;
 use std::sync::OnceLock;
 
 /// `y = W x + b`, weights laid out for speed.
@@ -14,6 +16,21 @@ pub(crate) struct Linear {
     /// Made when a gradient is first asked for.
     transposed: OnceLock<Packed>,
     slots: Slots,
+    half: Option<Box<HalfLinear>>,
+}
+
+/// The same weights in half the precision, both ways round.
+#[derive(Debug, Clone)]
+struct HalfLinear {
+    packed: HalfPacked,
+    transposed: HalfPacked,
+}
+
+/// Products of fewer rows gain nothing from tiles.
+const LEAST_ROWS: usize = 32;
+
+thread_local! {
+    static HALF_WORK: RefCell<(HalfWork, HalfPacked)> = RefCell::default();
 }
 
 impl Linear {
@@ -25,7 +42,8 @@ impl Linear {
     ) -> Result<Self, GenerateError> {
         let weight = weights.expect(&format!("{name}.weight"), &[outputs, inputs])?;
         let bias = weights.expect(&format!("{name}.bias"), &[outputs])?;
-        Ok(Self { slots: Slots::of(weights, name), ..Self::of(weight, bias, inputs) })
+        let half = half(weights, weight, bias.len(), inputs);
+        Ok(Self { slots: Slots::of(weights, name), half, ..Self::of(weight, bias, inputs) })
     }
 
     /// One of the three parts of an attention's packed projection: queries, keys, values.
@@ -45,18 +63,24 @@ impl Linear {
             weight: weights.place(&format!("{name}.in_proj_weight")) + part * width * width,
             bias: weights.place(&format!("{name}.in_proj_bias")) + part * width,
         };
-        Ok(Self { slots, ..Self::of(&weight, &bias, width) })
+        let half = half(weights, &weight, width, width);
+        Ok(Self { slots, half, ..Self::of(&weight, &bias, width) })
     }
 
     /// `outputs x inputs` numbers, row-major, and a bias for each output.
     pub(crate) fn of(weight: &[f32], bias: &[f32], inputs: usize) -> Self {
         let packed = Packed::from_weight(weight, bias.len(), inputs);
-        Self { packed, bias: bias.to_vec(), transposed: OnceLock::new(), slots: Slots::default() }
+        Self { packed, bias: bias.to_vec(), transposed: OnceLock::new(), slots: Slots::default(), half: None }
     }
 
     /// Replaces `out`: as many rows as `x` has.
     pub(crate) fn forward(&self, x: &[f32], out: &mut [f32]) {
         let (inputs, outputs) = (self.packed.depth(), self.packed.columns());
+        if let Some(half) = self.half.as_ref().filter(|_| x.len() >= LEAST_ROWS * inputs) {
+            return HALF_WORK.with_borrow_mut(|(work, _)| {
+                multiply_half(x, &half.packed, Some(&self.bias), out, false, work);
+            });
+        }
         let rows = Rows { data: x, stride: inputs, count: x.len() / inputs };
         multiply(rows, &self.packed, Some(&self.bias), Out { data: out, stride: outputs, add: false });
     }
@@ -70,8 +94,13 @@ impl Linear {
 
     /// From the gradient of what came out to that of what went in.
     pub(crate) fn backward(&self, grad: &[f32], out: &mut [f32], add: bool) {
-        let transposed = self.transposed.get_or_init(|| self.packed.transposed());
         let (inputs, outputs) = (self.packed.depth(), self.packed.columns());
+        if let Some(half) = self.half.as_ref().filter(|_| grad.len() >= LEAST_ROWS * outputs) {
+            return HALF_WORK.with_borrow_mut(|(work, _)| {
+                multiply_half(grad, &half.transposed, None, out, add, work);
+            });
+        }
+        let transposed = self.transposed.get_or_init(|| self.packed.transposed());
         let rows = Rows { data: grad, stride: outputs, count: grad.len() / outputs };
         multiply(rows, transposed, None, Out { data: out, stride: inputs, add });
     }
@@ -82,6 +111,21 @@ impl Linear {
         let bias = &mut weights[self.slots.bias..][..outputs];
         grad.chunks_exact(outputs).for_each(|row| add(bias, row));
         let weight = &mut weights[self.slots.weight..][..inputs * outputs];
+        if self.half.is_some() {
+            return HALF_WORK.with_borrow_mut(|(work, packed)| {
+                add_half_weight_gradient(grad, outputs, x, inputs, weight, (work, packed));
+            });
+        }
         add_weight_gradient(grad, outputs, x, inputs, weight, work);
     }
+}
+
+/// Made where the weights ask for it and the processor has tiles.
+fn half(weights: &Tensors, weight: &[f32], outputs: usize, inputs: usize) -> Option<Box<HalfLinear>> {
+    weights.in_half_precision().then(|| {
+        let (mut packed, mut transposed) = (HalfPacked::default(), HalfPacked::default());
+        packed.fill_transposed(weight, inputs, outputs);
+        transposed.fill(weight, outputs, inputs);
+        Box::new(HalfLinear { packed, transposed })
+    })
 }

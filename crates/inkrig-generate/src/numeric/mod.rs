@@ -5,6 +5,7 @@
 
 pub(crate) mod attention;
 pub(crate) mod elementwise;
+pub(crate) mod half;
 pub(crate) mod normal;
 pub(crate) mod product;
 

@@ -52,6 +52,7 @@ impl Tensor {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tensors {
     by_name: BTreeMap<String, Tensor>,
+    half: bool,
 }
 
 impl Tensors {
@@ -89,6 +90,16 @@ impl Tensors {
         self.by_name.iter().map(|(name, tensor)| (name.as_str(), tensor))
     }
 
+    /// Networks made of these multiply with factors of bfloat16, sums in f32, where the processor has tiles for that (AMX): for
+    /// training, which takes that well and takes long.
+    pub fn prefer_half_precision(&mut self) {
+        self.half = crate::numeric::half::available();
+    }
+
+    pub(crate) fn in_half_precision(&self) -> bool {
+        self.half
+    }
+
     /// Where the numbers of one begin when all are laid in a row, sorted by name; what a gradient is laid out by.
     pub(crate) fn place(&self, name: &str) -> usize {
         let before = self.by_name.range::<str, _>((Bound::Unbounded, Bound::Excluded(name)));
@@ -118,7 +129,7 @@ impl Tensors {
         let tensors = self.by_name.iter().map(|(name, old)| {
             (name.clone(), Tensor { shape: old.shape.clone(), data: take(old.data.len()) })
         });
-        Ok(Self { by_name: tensors.collect() })
+        Ok(Self { by_name: tensors.collect(), half: self.half })
     }
 
     /// How many tensors there are.
@@ -153,7 +164,7 @@ impl Slots {
 
 impl FromIterator<(String, Tensor)> for Tensors {
     fn from_iter<I: IntoIterator<Item = (String, Tensor)>>(tensors: I) -> Self {
-        Self { by_name: tensors.into_iter().collect() }
+        Self { by_name: tensors.into_iter().collect(), half: false }
     }
 }
 
