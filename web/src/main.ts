@@ -50,7 +50,7 @@ try {
 
 function start(session: Session): void {
   const ui = new Ui();
-  const controls = new Controls(session.store);
+  const controls = new Controls(session.store, () => session.player.duration.value);
   const files = new Files(session, controls, (text) => (ui.said.value = text));
   const stage = new Stage(byId('stage') as HTMLCanvasElement);
   const board = new Board(session, ui, byId('ink') as HTMLCanvasElement, byId('pen') as HTMLCanvasElement);

@@ -23,6 +23,7 @@ export class Live {
   #socket: WebSocket | null = null;
   #wait = 250;
   #stroke = 0;
+  #active = 0;
   #closed = false;
 
   constructor(listener: LiveListener) {
@@ -34,10 +35,15 @@ export class Live {
     return this.#socket?.readyState === WebSocket.OPEN;
   }
 
+  /** The stroke that is being drawn; 0 when none is. */
+  get active(): number {
+    return this.#active;
+  }
+
   /** Begins a stroke and returns its number. */
   begin(mode: StrokeMode, timing?: 'pen' | 'even'): number {
-    // Numbers rise over reloads and tabs, too.
-    this.#stroke = Math.max(this.#stroke + 1, Math.floor(Date.now() / 100) % 4_000_000_000);
+    this.#stroke += 1;
+    this.#active = this.#stroke;
     this.#send({ type: 'begin', stroke: this.#stroke, mode, timing });
     return this.#stroke;
   }
@@ -47,10 +53,12 @@ export class Live {
   }
 
   end(stroke: number): void {
+    this.#active = 0;
     this.#send({ type: 'end', stroke });
   }
 
   cancel(stroke: number): void {
+    this.#active = 0;
     this.#send({ type: 'cancel', stroke });
   }
 

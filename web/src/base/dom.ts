@@ -44,11 +44,11 @@ export function fit(canvas: HTMLCanvasElement): { context: CanvasRenderingContex
   return { context, width, height };
 }
 
-/** Runs `draw` once before the next picture, however often it is asked for. */
-export function painter(draw: () => void): () => void {
+/** Runs `draw` once before the next picture, however often it is asked for; not while `seen` is hidden. */
+export function painter(draw: () => void, seen: HTMLElement | null = null): () => void {
   let asked = false;
   return () => {
-    if (asked) return;
+    if (asked || (seen && seen.offsetParent === null)) return;
     asked = true;
     requestAnimationFrame(() => {
       asked = false;

@@ -13,6 +13,8 @@ import { listenToPen, type PenSample } from './pen';
 
 /** How near to a line, in CSS pixels, is on it. */
 const NEAR = 16;
+/** Width of the tools at the left edge, CSS pixels. */
+const RAIL = 56;
 
 /** The paper that is drawn on: the line, the keys on it, the dot that runs along. */
 export class Board {
@@ -36,8 +38,8 @@ export class Board {
   ) {
     this.#ink = ink;
     this.#top = top;
-    this.#drawInk = painter(() => this.#renderInk());
-    this.#drawTop = painter(() => this.#renderTop());
+    this.#drawInk = painter(() => this.#renderInk(), ink);
+    this.#drawTop = painter(() => this.#renderTop(), top);
     this.marks = new KeyMarks(session, ui, this.paper, () => this.#line);
     new Navigate(top, this.paper, ui, () => this.redraw());
     listenToPen(top, { begin: (sample, event) => this.#begin(sample, event), move: (samples) => this.#move(samples), end: (cancelled) => this.#end(cancelled) });
@@ -70,7 +72,7 @@ export class Board {
   /** Shows the whole drawing. */
   frame(): void {
     const box = boundsOf(this.#line);
-    if (box) this.paper.show(box.low, box.high);
+    if (box) this.paper.show(box.low, box.high, RAIL);
     else [this.paper.zoom, this.paper.pan] = [1, [0, 0]];
     this.redraw();
   }

@@ -1,5 +1,6 @@
 import type { LabelSegment } from '../api/types';
 import { h } from '../base/dom';
+import { icon } from '../base/icons';
 import { theme } from '../base/theme';
 import type { Controls } from '../document/controls';
 import { labelColour, moveBorder } from '../document/labels';
@@ -90,7 +91,7 @@ export class LabelBoard {
     seconds.addEventListener('change', () => change({ seconds: Math.max(0.1, Number(seconds.value) || 0.1) }, 'Length of a label'));
     const colour = h('input', { type: 'color', value: label.colour ?? toHex(labelColour(this.#segments, label, theme.value.dark)), 'aria-label': `Colour of ${label.name}` });
     colour.addEventListener('change', () => this.#set(this.#segments.map((other) => (other.name === label.name ? { ...other, colour: colour.value } : other)), 'Colour of a label'));
-    const gone = h('button', { type: 'button', class: 'quiet', 'aria-label': `Remove segment ${i + 1}` }, 'Remove');
+    const gone = h('button', { type: 'button', class: 'tool small', 'aria-label': `Remove segment ${i + 1}`, title: 'Remove' }, icon('close'));
     gone.addEventListener('click', () => this.#set(this.#segments.filter((_, j) => j !== i), 'Remove a label'));
     gone.disabled = this.#segments.length < 2;
     return h('div', { class: 'row' }, colour, name, seconds, h('span', { class: 'soft' }, 's'), gone);

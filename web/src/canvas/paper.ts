@@ -31,11 +31,11 @@ export class Paper {
     this.pan = [this.pan[0] - dx / this.scale, this.pan[1] + dy / this.scale];
   }
 
-  /** Shows a box of the paper whole, with a margin. */
-  show(low: Vec2, high: Vec2): void {
+  /** Shows a box of the paper whole, with a margin and beside the tools, which cover `left` pixels. */
+  show(low: Vec2, high: Vec2, left: number): void {
     const [w, h] = [Math.max(high[0] - low[0], 0.05), Math.max(high[1] - low[1], 0.05)];
-    this.pan = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2];
     const half = 0.5 * Math.min(this.width, this.height);
-    this.zoom = clamp(Math.min((0.82 * this.width) / w, (0.82 * this.height) / h) / half, 0.1, 20);
+    this.zoom = clamp(Math.min((0.88 * (this.width - left)) / w, (0.84 * this.height) / h) / half, 0.1, 20);
+    this.pan = [(low[0] + high[0]) / 2 - left / 2 / this.scale, (low[1] + high[1]) / 2];
   }
 }

@@ -28,7 +28,7 @@ export class SoundBoard {
     this.#empty = h('div', { class: 'nothing' }, h('b', {}, 'Music or speech steers the motion'), h('span', {}, 'Drop a WAV, MP3, FLAC or Ogg file anywhere.'), h('button', { type: 'button', class: 'quiet', onclick: pick }, 'Choose a sound'));
     this.#bar = h('div', { class: 'editor-foot' }, this.#name, h('label', { class: 'switch' }, this.#outline, h('span', {}, 'Follow the waveform only')), h('button', { type: 'button', class: 'quiet', onclick: pick }, 'Other'));
     this.element = h('div', { class: 'board editor' }, this.#canvas, this.#empty, this.#bar, this.#audio);
-    this.#draw = painter(() => this.#render());
+    this.#draw = painter(() => this.#render(), this.#canvas);
     onResize(this.#canvas, this.#draw);
     for (const signal of [theme, session.used, session.player.seconds]) signal.subscribe(this.#draw);
     const change = () => controls.set({ kind: 'sound', sound: this.#name.value, smooth: null, outline: this.#outline.checked }, 'Sound');

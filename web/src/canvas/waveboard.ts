@@ -34,7 +34,7 @@ export class WaveBoard {
     const list = h('datalist', { id: 'waves' }, ...EXAMPLES.map((value) => h('option', { value })));
     const foot = h('div', { class: 'editor-foot' }, h('span', { class: 'soft' }, 'Expression'), this.#input, this.#error, list);
     this.element = h('div', { class: 'board editor' }, this.#canvas, foot);
-    this.#draw = painter(() => this.#render());
+    this.#draw = painter(() => this.#render(), this.#canvas);
     onResize(this.#canvas, this.#draw);
     for (const signal of [theme, session.used, session.player.seconds]) signal.subscribe(this.#draw);
     session.store.document.watch(({ control }) => void this.#take(control));

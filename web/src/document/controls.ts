@@ -1,5 +1,6 @@
-import type { Control } from '../api/types';
+import type { Command, Control, Key } from '../api/types';
 import { Signal } from '../base/signal';
+import { lineOf, nearestPart } from './curve';
 import type { Store } from './store';
 
 export type ControlKind = 'curve' | 'wave' | 'labels' | 'sound' | 'motion';
@@ -11,9 +12,12 @@ export class Controls {
   readonly kind: Signal<ControlKind>;
   readonly #kept = new Map<ControlKind, Control>();
   readonly #store: Store;
+  readonly #seconds: () => number;
 
-  constructor(store: Store) {
+  /** `seconds` is the length of the result as it is. */
+  constructor(store: Store, seconds: () => number) {
     this.#store = store;
+    this.#seconds = seconds;
     this.kind = new Signal(kindOf(store.document.value.control) ?? 'curve');
     store.document.watch(({ control }) => {
       const kind = kindOf(control);
@@ -28,7 +32,20 @@ export class Controls {
     if (kind === this.kind.value) return;
     this.kind.value = kind;
     const control = this.#kept.get(kind) ?? this.#beginning(kind);
-    if (control) this.set(control, `Follow a ${NAMES[kind]}`);
+    if (!control) return;
+    const commands: Command[] = [{ type: 'setControl', control }];
+    const { keys } = this.#store.document.value;
+    const fitting = keys.map((key) => this.#timed(key));
+    if (fitting.some((key, i) => key !== keys[i])) commands.push({ type: 'setKeys', keys: fitting });
+    this.#store.edit(`Follow a ${NAMES[kind]}`, commands);
+  }
+
+  /** A place on the paper, on a wave or in a label means nothing to another control: the time there does. */
+  #timed(key: Key): Key {
+    if (!key.place || key.place.kind === 'time') return key;
+    const line = lineOf(this.#store.document.value.control);
+    const part = key.place.kind === 'point' ? nearestPart(line, key.place.point)?.part : undefined;
+    return { ...key, place: { kind: 'time', seconds: Number(((part ?? 0.5) * this.#seconds()).toFixed(3)) } };
   }
 
   set(control: Control | null, label: string, gesture: string | null = null): void {

@@ -3,7 +3,7 @@ import { bytes, get, Refused } from '../api/http';
 import { Live } from '../api/live';
 import { readPlan, type Plan } from '../api/plan';
 import { readPoses, rigOf, type Poses, type Rig } from '../api/poses';
-import type { ClipDetail, Control, Info, JobState, ProjectState, Result, SkeletonInfo, Suggestions } from '../api/types';
+import type { ClipDetail, Control, Document, Info, JobState, ProjectState, Result, SkeletonInfo, Suggestions } from '../api/types';
 import { Signal } from '../base/signal';
 import { duration, type Motion } from '../viewport/motion';
 import { Player } from './player';
@@ -48,6 +48,8 @@ export class Session {
   #sources = '';
   #rig: Rig | null = null;
   #loading = 0;
+  /** What of the document the result that is shown was made of. */
+  #solved = '';
 
   constructor(
     readonly info: Info,
@@ -76,7 +78,7 @@ export class Session {
       problem: (problem) => (this.problem.value = problem),
     });
     this.store.document.watch(() => void this.#sourceChanged());
-    this.store.document.subscribe(() => (this.stale.value = true));
+    this.store.document.subscribe((document) => (this.stale.value = solved(document) !== this.#solved));
     this.job.value = state.job;
   }
 
@@ -130,7 +132,9 @@ export class Session {
   }
 
   #poses(buffer: ArrayBuffer): void {
-    if (!this.#rig) return;
+    // A preview that was overtaken by the full result.
+    const done = this.result.value !== null && !this.stale.value && this.drawing.value === null && this.live.active === 0;
+    if (!this.#rig || done) return;
     let poses: Poses;
     try {
       poses = readPoses(buffer, this.#rig);
@@ -143,7 +147,14 @@ export class Session {
     const begin = this.#sent.get(`${poses.stroke}/${poses.message}`);
     if (begin === undefined) return;
     this.#sent.delete(`${poses.stroke}/${poses.message}`);
-    requestAnimationFrame(() => (this.latency.value = { solve: poses.milliseconds, whole: performance.now() - begin }));
+    // The picture with this pose is drawn in the next frame and done when the one after it begins.
+    requestAnimationFrame(() =>
+      requestAnimationFrame(() => {
+        this.latency.value = { solve: poses.milliseconds, whole: performance.now() - begin };
+        if (performance.getEntriesByName('pen to pose').length > 2000) performance.clearMeasures('pen to pose');
+        performance.measure('pen to pose', { start: begin, end: performance.now() });
+      }),
+    );
   }
 
   #show(poses: Poses): void {
@@ -171,6 +182,7 @@ export class Session {
       const used = this.used.value;
       if (used) this.used.value = { ...used, confidence: result.used.confidence };
       this.problem.value = null;
+      if (result.revision <= this.store.revision) this.#solved = solved(this.store.document.value);
       this.stale.value = false;
     } catch (error) {
       if (turn === this.#loading) this.#failed(error);
@@ -191,4 +203,9 @@ export class Session {
     // Without a connection the status line says so already.
     if (refused.code !== 'unreachable') this.store.failed.value = refused;
   }
+}
+
+/** Of a document, what a result depends on. */
+function solved({ source, control, keys, settings }: Document): string {
+  return JSON.stringify([source, control, keys, settings]);
 }

@@ -16,7 +16,7 @@ export function mapPanel(session: Session, ui: Ui, carry: Carry): HTMLElement {
     view.draw();
     const stress = session.suggestions.value?.map.stress;
     note.textContent = stress === undefined ? '' : `Near is alike; the map bends distances by ${(100 * stress).toFixed(0)} %.`;
-  });
+  }, canvas);
   for (const signal of [session.suggestions, session.used, session.player.seconds, theme, ui.pointed, session.store.document]) signal.subscribe(draw);
   onResize(canvas, draw);
   canvas.addEventListener('pointermove', (event) => (ui.pointed.value = view.frameAt(event)));

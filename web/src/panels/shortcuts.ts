@@ -17,9 +17,9 @@ const KEYS: readonly (readonly [string, string])[] = [
   ['Ctrl Z', 'Undo'],
   ['Shift F', 'Put the camera back'],
   ['Ctrl Shift Z', 'Redo'],
-  ['C G O T B', 'Follow, ground, ghosts, trails, beside'],
+  ['C G O T B', 'What the view shows'],
   ['Ctrl E', 'Export'],
-  ['1 … 5', 'Draw, wave, labels, sound, motion'],
+  ['1 … 5', 'What steers'],
   ['Ctrl O', 'Open a file'],
   ['Shift D', 'Light or dark'],
   ['Tab', 'Next control'],
@@ -29,7 +29,8 @@ const KEYS: readonly (readonly [string, string])[] = [
 ];
 
 export function showShortcuts(): void {
-  openDialog('Keyboard shortcuts', h('div', { class: 'keys-table' }, ...KEYS.map(([keys, what]) => h('div', { class: 'row' }, h('span', { class: 'text' }, what), ...keys.split(' ').map((key) => h('kbd', {}, key))))));
+  const rows = KEYS.map(([keys, what]) => h('div', { class: 'row' }, h('span', { class: 'text' }, what), ...keys.split(' ').map((key) => h('kbd', {}, key))));
+  openDialog('Keyboard shortcuts', h('div', { class: 'keys-table' }, ...rows)).classList.add('broad');
 }
 
 export interface ShortcutActs {

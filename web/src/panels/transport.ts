@@ -11,7 +11,8 @@ export function transport(place: HTMLElement, timeline: HTMLElement, session: Se
   const play = tool('play', 'Play', () => player.toggle(), 'Space');
   play.classList.add('play');
   const loop = tool('loop', 'Loop', () => (player.looping.value = !player.looping.value), 'L');
-  const time = h('span', { class: 'clock' });
+  const [now, whole] = [document.createTextNode(''), h('small', {})];
+  const time = h('span', { class: 'clock' }, now, whole);
   const speeds = new Segments(
     'Speed',
     SPEEDS.map((speed) => ({ value: String(speed), text: speed === 0.25 ? '¼' : speed === 0.5 ? '½' : `${speed}×` })),
@@ -40,7 +41,8 @@ export function transport(place: HTMLElement, timeline: HTMLElement, session: Se
   player.looping.watch((is) => pressed(loop, is));
   player.speed.watch((speed) => (speeds.value = String(speed)));
   const tell = () => {
-    time.replaceChildren(clock(player.seconds.value), h('small', {}, ` / ${clock(player.duration.value)}`));
+    now.data = clock(player.seconds.value);
+    whole.textContent = ` / ${clock(player.duration.value)}`;
     frame.textContent = `frame ${Math.round(player.seconds.value * player.rate)}`;
     scrub.max = String(player.duration.value);
     scrub.value = String(player.seconds.value);

@@ -5,6 +5,7 @@ import type { Theme } from '../base/theme';
 import { drawMark } from '../canvas/marks';
 import { labelColour } from '../document/labels';
 import { timeOf } from '../document/keys';
+import type { Used } from '../document/session';
 import type { SourceClips } from '../document/source';
 import { GUTTER, type Lanes, type Scale } from './scale';
 
@@ -28,7 +29,7 @@ export function drawRuler({ context, scale, lanes, theme }: TimelineView): void 
     const x = Math.round(scale.x(mark)) + 0.5;
     line(context, x, top + 6, x, top + height, css(theme.line));
     context.fillStyle = css(theme.soft);
-    if (x < scale.x(scale.seconds) - 26) context.fillText(`${mark} s`, x + 4, top + 10);
+    if (mark > 0 && x < scale.x(scale.seconds) - 26) context.fillText(`${mark} s`, x + 4, top + 10);
     for (let i = 1; i < 5 && step > 0; i += 1) {
       const minor = Math.round(scale.x(mark + (i * step) / 5)) + 0.5;
       if (mark + (i * step) / 5 < scale.seconds) line(context, minor, top + height - 4, minor, top + height, css(theme.line));
@@ -100,6 +101,24 @@ export function drawPlan({ context, scale, lanes, theme }: TimelineView, heat: H
     context.setLineDash(key.kind === 'avoid' ? [4, 4] : []);
     line(context, GUTTER, y(frame), GUTTER + scale.inner, y(frame), css(theme.key, 0.8));
     context.setLineDash([]);
+  }
+}
+
+/** Which frame is used when, as a line over the plan that breaks where the clip is cut. */
+export function drawUsed({ context, scale, lanes, theme }: TimelineView, used: Used | null, frames: number): void {
+  if (!used || frames < 2) return;
+  const { top, height } = lanes.plan;
+  context.lineWidth = 2;
+  context.lineCap = 'round';
+  for (let i = 0; i + 1 < used.frames.length; i += 1) {
+    const [a, b] = [used.frames[i] ?? 0, used.frames[i + 1] ?? 0];
+    if (Math.abs(b - a) > 12) continue;
+    const y = (frame: number) => top + height * (1 - frame / (frames - 1));
+    context.strokeStyle = css(rampAt(theme.ramp, a / (frames - 1)));
+    context.beginPath();
+    context.moveTo(scale.x(i / used.rate), y(a));
+    context.lineTo(scale.x((i + 1) / used.rate), y(b));
+    context.stroke();
   }
 }
 

@@ -19,7 +19,7 @@ export function heatImage(plan: Plan, theme: Theme): HTMLCanvasElement | null {
       image.data[pixel + 1] = g;
       image.data[pixel + 2] = b;
       // The faint is lifted: a hundredth of the weight is still a choice that was weighed.
-      image.data[pixel + 3] = 255 * Math.sqrt((cells[source * width + control] ?? 0) / 255);
+      image.data[pixel + 3] = 255 * ((cells[source * width + control] ?? 0) / 255) ** 0.38;
     }
   }
   context.putImageData(image, 0, 0);

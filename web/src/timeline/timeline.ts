@@ -5,7 +5,7 @@ import { theme } from '../base/theme';
 import { newKey, timeOf } from '../document/keys';
 import type { Session } from '../document/session';
 import type { Ui } from '../document/ui';
-import { drawBad, drawControl, drawKeys, drawLink, drawNames, drawPlan, drawPlayhead, drawRuler } from './draw';
+import { drawBad, drawControl, drawKeys, drawLink, drawNames, drawPlan, drawPlayhead, drawRuler, drawUsed } from './draw';
 import { heatImage } from './heat';
 import { lanes, Scale, within, type Lanes } from './scale';
 
@@ -190,6 +190,7 @@ export class Timeline {
     const view = { context, scale: this.scale, lanes: this.#lanes, theme: theme.value };
     drawRuler(view);
     drawPlan(view, this.#heat, source.value, document.keys, this.session.stale.value);
+    drawUsed(view, this.session.plan.value ? this.session.used.value : null, source.value.frames);
     if (banded) drawControl(view, document.control, this.#wave);
     drawKeys(view, document.keys, this.ui.selected.value, result.value);
     drawBad(view, result.value);

@@ -52,6 +52,14 @@ export class Figure {
     this.#mesh = skinned(geometry, material, this.#bones);
     this.#mesh.renderOrder = options.order ?? 0;
     this.object.add(this.#mesh);
+    if (opacity < 1) {
+      // Depth first, so that limbs do not shine through each other.
+      const solid = new SkinnedMesh(geometry, new MeshBasicMaterial({ colorWrite: false, transparent: true }));
+      solid.frustumCulled = solid.matrixAutoUpdate = false;
+      solid.bind(this.#mesh.skeleton, new Matrix4());
+      solid.renderOrder = this.#mesh.renderOrder - 0.5;
+      this.object.add(solid);
+    }
     if (options.shadow) {
       this.#shadowBones = this.#limbs.map(bone);
       this.#shadow = skinned(geometry, shadowMaterial(options.shadow), this.#shadowBones);

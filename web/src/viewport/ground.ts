@@ -3,7 +3,9 @@ import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments } from
 import type { Rgb } from '../base/colour';
 import { colour } from './figure';
 
-const CELLS = 24;
+const CELLS = 16;
+/** Cells that one piece of a line crosses. */
+const PIECE = 2;
 
 /** Lines on y = 0 that fade with distance by the scene's fog and go along with the character. */
 export class Ground {
@@ -15,8 +17,8 @@ export class Ground {
     const points: number[] = [];
     // Short pieces: some drivers drop lines that pass behind the camera.
     for (let i = -CELLS; i <= CELLS; i += 1) {
-      for (let j = -CELLS; j < CELLS; j += 1) {
-        const [at, from, to] = [i * this.#cell, j * this.#cell, (j + 1) * this.#cell];
+      for (let j = -CELLS; j < CELLS; j += PIECE) {
+        const [at, from, to] = [i * this.#cell, j * this.#cell, (j + PIECE) * this.#cell];
         points.push(from, 0, at, to, 0, at, at, 0, from, at, 0, to);
       }
     }

@@ -46,15 +46,21 @@ export class Stage {
   #size = { tall: 1.7, reach: 0.6 };
   #density = Math.min(window.devicePixelRatio || 1, 2);
   #slow = 0;
+  #sharpen = 0;
+  #sharp = false;
+  readonly #software: boolean;
   #skin: { update(seconds: number): void } | null = null;
 
   constructor(canvas: HTMLCanvasElement) {
     this.canvas = canvas;
-    this.#renderer = new WebGLRenderer({ canvas, antialias: true, stencil: true, powerPreference: 'high-performance' });
-    if (isSoftware(this.#renderer)) {
+    const software = isSoftware();
+    this.#software = software;
+    if (software) {
       drawByProcessor();
       this.#density = 1;
     }
+    // Smooth edges cost four times the pixels: too much for a processor that the solver shares.
+    this.#renderer = new WebGLRenderer({ canvas, antialias: !software, stencil: true, powerPreference: 'high-performance' });
     this.draw = painter(() => this.#render());
     this.orbit = new Orbit(this.#camera, canvas, this.draw);
     this.#sun.position.set(0.42, 1, 0.28);
@@ -186,8 +192,8 @@ export class Stage {
 
   #resize(): void {
     const [width, height] = [Math.max(this.canvas.clientWidth, 1), Math.max(this.canvas.clientHeight, 1)];
-    this.#renderer.setPixelRatio(this.#density);
-    this.#renderer.setSize(width, height, false);
+    this.#sharp = false;
+    this.#fit(this.#density);
     this.#camera.aspect = width / height;
     this.#camera.updateProjectionMatrix();
     this.#trails.resize(width, height);
@@ -195,6 +201,7 @@ export class Stage {
   }
 
   #render(): void {
+    this.#sharpenLater();
     const begin = performance.now();
     const motion = this.#motion;
     if (motion) this.#place(motion);
@@ -211,6 +218,26 @@ export class Stage {
     this.#adapt(performance.now() - begin);
   }
 
+  /** Without a graphics card the picture is coarse while it moves, and drawn once more finely when it rests. */
+  #sharpenLater(): void {
+    if (!this.#software) return;
+    window.clearTimeout(this.#sharpen);
+    if (this.#sharp) {
+      this.#sharp = false;
+      this.#fit(this.#density);
+    }
+    this.#sharpen = window.setTimeout(() => {
+      this.#sharp = true;
+      this.#fit(2);
+      this.#renderer.render(this.#scene, this.#camera);
+    }, 400);
+  }
+
+  #fit(density: number): void {
+    this.#renderer.setPixelRatio(density);
+    this.#renderer.setSize(Math.max(this.canvas.clientWidth, 1), Math.max(this.canvas.clientHeight, 1), false);
+  }
+
   #place(motion: Motion): void {
     const width = 3 * motion.body.names.length;
     const pose = poseAt(motion, this.#seconds, scratch(0, width));
@@ -224,6 +251,7 @@ export class Stage {
       this.#figure.object.visible = this.#skin === null && !(keyed && !this.#keyPose);
     }
     this.#skin?.update(this.#seconds);
+    if (this.#view.trails) this.#trails.seek(this.#seconds);
     if (this.#red) {
       this.#red.object.visible = red !== null;
       if (red) this.#red.pose(red === pose ? pose : onto(red, pose, motion, scratch(1, width)));
@@ -250,11 +278,13 @@ export class Stage {
   }
 }
 
-/** Whether the browser computes 3D on the processor. */
-function isSoftware(renderer: WebGLRenderer): boolean {
-  const gl = renderer.getContext();
-  const names = gl.getExtension('WEBGL_debug_renderer_info');
-  return names !== null && /swiftshader|llvmpipe|software/i.test(String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)));
+/** Whether the browser computes 3D on the processor; asked of a context that is given back at once. */
+function isSoftware(): boolean {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const names = gl?.getExtension('WEBGL_debug_renderer_info');
+  const found = gl && names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(found);
 }
 
 const right = new Vector3();

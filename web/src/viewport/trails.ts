@@ -7,24 +7,39 @@ import type { Rgb } from '../base/colour';
 import { colour } from './figure';
 import type { Motion } from './motion';
 
-/** The ways of some joints through the world, as lines of two pixels. */
+/** How far before and after the moment that is seen, seconds. */
+const REACH = 1.2;
+
+/** The ways of some joints through the world around a moment, as lines of two pixels. */
 export class Trails {
   readonly object = new Object3D();
   readonly #material = new LineMaterial({ linewidth: 2, transparent: true, opacity: 0.85, fog: true });
+  #motion: Motion | null = null;
+  #joints: readonly number[] = [];
 
   constructor() {
     this.object.renderOrder = 1;
   }
 
   show(motion: Motion | null, joints: readonly number[], shade: Rgb): void {
-    this.clear();
-    if (!motion || motion.frames < 2) return;
+    this.#motion = motion;
+    this.#joints = joints;
     this.#material.color.copy(colour(shade));
+    if (!motion) this.clear();
+  }
+
+  seek(seconds: number): void {
+    this.clear();
+    const motion = this.#motion;
+    if (!motion) return;
     const width = motion.body.names.length;
-    const step = Math.max(1, Math.floor(motion.frames / 2000));
-    for (const joint of joints) {
+    const first = Math.max(Math.floor((seconds - REACH) * motion.rate), 0);
+    const last = Math.min(Math.ceil((seconds + REACH) * motion.rate), motion.frames - 1);
+    const step = Math.max(1, Math.floor((last - first) / 120));
+    if (last - first < step) return;
+    for (const joint of this.#joints) {
       const points: number[] = [];
-      for (let frame = 0; frame < motion.frames; frame += step) {
+      for (let frame = first; frame <= last; frame += step) {
         const at = 3 * (frame * width + joint);
         points.push(motion.positions[at] ?? 0, motion.positions[at + 1] ?? 0, motion.positions[at + 2] ?? 0);
       }
