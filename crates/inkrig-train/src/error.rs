@@ -53,3 +53,15 @@ pub enum TrainError {
         count: usize,
     },
 }
+
+impl From<inkrig_generate::GenerateError> for TrainError {
+    fn from(error: inkrig_generate::GenerateError) -> Self {
+        Self::Device(error.to_string())
+    }
+}
+
+impl From<inkrig_motion::MotionError> for TrainError {
+    fn from(error: inkrig_motion::MotionError) -> Self {
+        Self::Device(error.to_string())
+    }
+}

@@ -57,6 +57,11 @@ pub(crate) fn repeats(text: &str) -> Result<usize, String> {
     within(text, 1..=1000, "runs")
 }
 
+/// How much more a text counts than nothing does.
+pub(crate) fn text_weight(text: &str) -> Result<f64, String> {
+    within(text, 0.0..=100.0, "times")
+}
+
 /// Size of one character over that of another.
 pub(crate) fn scale(text: &str) -> Result<f64, String> {
     within(text, 1e-4..=1e4, "times")

@@ -5,6 +5,7 @@ mod bake;
 mod bench;
 mod convert;
 mod data;
+mod evaluate;
 mod generate;
 mod model;
 mod redo;
@@ -20,6 +21,7 @@ pub use bake::{BakeArgs, BakeMode, Hold, Tolerance};
 pub use bench::{BenchAlignArgs, BenchArgs, BenchCommand};
 pub use convert::{ConvertArgs, ToArg};
 pub use data::{CorpusArgs, DataArgs, DataCommand};
+pub use evaluate::{EvaluateArgs, EvaluateCommand, EvaluateOnArgs, JointsArg, SplitArg};
 pub use generate::{GenerateArgs, GuidanceArg, StepsArg};
 pub use model::{ModelArgs, ModelCommand, ModelImportArgs, ModelInspectArgs, TextArg};
 pub use redo::RedoArgs;
@@ -76,6 +78,8 @@ pub enum Command {
     Retarget(Box<RetargetArgs>),
     /// Make a corpus to train on out of folders of motion files
     Data(DataArgs),
+    /// Measure a model on clips that it never saw
+    Evaluate(EvaluateArgs),
     /// Say what is in a motion file: skeleton, frames, unit, problems
     #[command(after_help = "Examples:\n  inkrig inspect walk.bvh\n  inkrig inspect walk.bvh --json")]
     Inspect(InspectArgs),

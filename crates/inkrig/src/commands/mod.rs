@@ -9,6 +9,7 @@ mod convert;
 mod data;
 mod demo;
 mod demo_files;
+mod evaluate;
 mod generate;
 mod inspect;
 mod joint_map;
@@ -42,6 +43,7 @@ pub fn run(cli: Cli, matches: &ArgMatches) -> Result<(), CliError> {
         Command::Bench(args) => bench::run(&args, &console),
         Command::Convert(args) => convert::run(&args, &run(args.force), &console),
         Command::Data(args) => data::run(&args, &console),
+        Command::Evaluate(args) => evaluate::run(&args, &console),
         Command::Generate(args) => generate::run(&args, &run(args.force), &console),
         Command::Retarget(args) => retarget::run(&args, &run(args.force), &console),
         Command::Demo(args) => demo::run(&args, &console),

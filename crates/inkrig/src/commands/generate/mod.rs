@@ -2,7 +2,7 @@
 
 mod conditions;
 mod record;
-mod text;
+pub(super) mod text;
 
 use crate::cli::{GenerateArgs, GuidanceArg, StepsArg};
 use crate::console::Console;
@@ -135,15 +135,7 @@ impl Model {
 
     fn options(&self, args: &GenerateArgs) -> Result<SamplingOptions, CliError> {
         let distilled = self.header.is_distilled();
-        let few = |steps| Some(Steps::Lcm(steps)).filter(|_| distilled);
-        let steps = match args.steps {
-            Some(StepsArg::One) => few(1),
-            Some(StepsArg::Two) => few(2),
-            Some(StepsArg::Four) => few(4),
-            Some(StepsArg::Ddim) => Some(Steps::Ddim(DDIM_STEPS)).filter(|_| !distilled),
-            None if distilled => few(2),
-            None => Some(Steps::Ddim(DDIM_STEPS)),
-        };
+        let steps = steps(args.steps, distilled);
         let usual = self.configuration.sampling_options();
         Ok(SamplingOptions {
             steps: steps.ok_or_else(|| CliError::StepsOfModel { path: self.path.clone(), distilled })?,
@@ -205,6 +197,19 @@ impl Model {
     fn clip(&self, rows: Vec<f32>) -> Result<Clip, inkrig_motion::MotionError> {
         let frames = recover_positions(&Features::new(rows, WIDTH)?)?;
         to_clip(&frames, &Arc::new(skeleton(&self.body, &frames)?), FRAME_RATE)
+    }
+}
+
+/// The steps that were asked for, or the usual ones; none where a model of this kind cannot take them.
+pub(super) fn steps(asked: Option<StepsArg>, distilled: bool) -> Option<Steps> {
+    let few = |steps| Some(Steps::Lcm(steps)).filter(|_| distilled);
+    match asked {
+        Some(StepsArg::One) => few(1),
+        Some(StepsArg::Two) => few(2),
+        Some(StepsArg::Four) => few(4),
+        Some(StepsArg::Ddim) => Some(Steps::Ddim(DDIM_STEPS)).filter(|_| !distilled),
+        None if distilled => few(2),
+        None => Some(Steps::Ddim(DDIM_STEPS)),
     }
 }
 

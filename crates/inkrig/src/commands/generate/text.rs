@@ -18,7 +18,7 @@ const MOST_TEXT: u64 = 64 << 20;
 ///
 /// # Errors
 /// When the model needs a folder that is not given, has no use for one, or the folder has not what it needs.
-pub(super) fn encoder(
+pub(in crate::commands) fn encoder(
     header: &ModelHeader,
     weights: &Tensors,
     folder: Option<&Path>,

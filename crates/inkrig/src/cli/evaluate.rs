@@ -1,0 +1,110 @@
+//! What can be said to `inkrig evaluate`.
+
+use super::StepsArg;
+use crate::numbers;
+use clap::{Args, Subcommand, ValueEnum, ValueHint};
+use inkrig_train::corpus::Split;
+use std::path::PathBuf;
+
+pub(super) const EXAMPLES: &str = "\
+Examples:
+  inkrig evaluate reconstruction --model model.safetensors --corpus corpus
+      what the autoencoder loses of clips that it never saw, by subject
+  inkrig evaluate control --model model.safetensors --corpus corpus
+      how exactly key poses and trajectories are met, in space and as a camera sees them, with and without guidance
+  inkrig evaluate control --model model.safetensors --corpus corpus --windows 40 --json > control.json
+      the same of fewer clips, as JSON";
+
+/// Arguments of `inkrig evaluate`.
+#[derive(Debug, Args)]
+pub struct EvaluateArgs {
+    /// What is measured.
+    #[command(subcommand)]
+    pub command: EvaluateCommand,
+}
+
+/// What is measured.
+#[derive(Debug, Subcommand)]
+pub enum EvaluateCommand {
+    /// How well clips survive the autoencoder, subject by subject
+    #[command(after_help = EXAMPLES)]
+    Reconstruction {
+        #[command(flatten)]
+        /// Of what.
+        on: EvaluateOnArgs,
+    },
+    /// How exactly key poses and trajectories are met
+    #[command(after_help = EXAMPLES)]
+    Control {
+        #[command(flatten)]
+        /// Of what.
+        on: EvaluateOnArgs,
+        /// Which joints are controlled: one after the other of six, or a set of them drawn for each clip
+        #[arg(long, default_value = "both")]
+        joints: JointsArg,
+        /// Steps from noise to motion: ddim (50), or 1, 2 or 4 of a model that was distilled for few [default: ddim or 2]
+        #[arg(long)]
+        steps: Option<StepsArg>,
+        /// Guidance at every so many steps
+        #[arg(long, default_value_t = 1)]
+        guide_every: usize,
+        /// How much more the text counts than nothing does
+        #[arg(long, value_name = "WEIGHT", value_parser = numbers::text_weight, allow_negative_numbers = true)]
+        text_weight: Option<f64>,
+        /// Of noise, cameras and joints
+        #[arg(long, default_value_t = 0)]
+        seed: u64,
+    },
+}
+
+/// The model, and the clips that it is measured on.
+#[derive(Debug, Args)]
+pub struct EvaluateOnArgs {
+    /// The model file
+    #[arg(long, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
+    pub model: PathBuf,
+    /// The corpus, made by inkrig data build
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub corpus: PathBuf,
+    /// Whose clips: those of test, or those that training looked at (val), or learned (train)
+    #[arg(long, default_value = "test")]
+    pub split: SplitArg,
+    /// Frames of a clip, 20 a second
+    #[arg(long, default_value_t = 40)]
+    pub frames: usize,
+    /// At most so many clips, spread over all [default: all for reconstruction, 100 for control]
+    #[arg(long)]
+    pub windows: Option<usize>,
+}
+
+/// Parts of a corpus.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SplitArg {
+    /// Learned from.
+    Train,
+    /// Looked at while learning.
+    Val,
+    /// Only measured on.
+    Test,
+}
+
+impl From<SplitArg> for Split {
+    fn from(split: SplitArg) -> Self {
+        match split {
+            SplitArg::Train => Self::Train,
+            SplitArg::Val => Self::Val,
+            SplitArg::Test => Self::Test,
+        }
+    }
+}
+
+/// Which joints are controlled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum JointsArg {
+    /// One after the other of pelvis, feet, head and wrists.
+    One,
+    /// A set of them.
+    Several,
+    /// Both, one table.
+    Both,
+}

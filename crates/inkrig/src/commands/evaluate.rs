@@ -1,0 +1,156 @@
+//! `inkrig evaluate`: how good a model is, on clips that it never saw.
+
+use super::generate::text;
+use crate::cli::{EvaluateArgs, EvaluateCommand, EvaluateOnArgs, JointsArg, StepsArg};
+use crate::console::Console;
+use crate::error::CliError;
+use crate::inputs;
+use crate::printable::{self, fixed};
+use inkrig_generate::checkpoint::{CheckpointError, ModelFile, ModelHeader};
+use inkrig_generate::configuration::Configuration;
+use inkrig_generate::networks::Vae;
+use inkrig_generate::sampling::{Networks, Sampler, SamplingOptions, Semantics};
+use inkrig_generate::weights::Tensors;
+use inkrig_motion::humanml::Statistics;
+use inkrig_train::corpus::Manifest;
+use inkrig_train::evaluation::{
+    ControlOptions, ControlTable, EvaluationWindow, Protocol, bounds, control, reconstruction, windows,
+};
+use std::path::Path;
+
+pub(super) fn run(args: &EvaluateArgs, console: &Console) -> Result<(), CliError> {
+    match &args.command {
+        EvaluateCommand::Reconstruction { on } => {
+            let model = Opened::of(&on.model)?;
+            let vae =
+                Vae::new(&model.header.sizes, &model.weights).map_err(|cause| about(&on.model, cause))?;
+            let windows = held_out(on, &model, usize::MAX)?;
+            let stage = console.stage(format!("{} clips", windows.len()));
+            let rows = reconstruction(&vae, &model.features, &windows)?;
+            drop(stage);
+            let mut text =
+                String::from("| | clips | in space, mm | pelvis at its place, mm |\n|---|---|---|---|\n");
+            for row in &rows {
+                text += &format!(
+                    "| {} | {} | {} | {} |\n",
+                    printable::text(&row.name),
+                    row.windows,
+                    fixed(row.global_mm, 1),
+                    fixed(row.aligned_mm, 1)
+                );
+            }
+            console.say(text.trim_end())?;
+            console.result(&rows)
+        }
+        EvaluateCommand::Control { on, joints, steps, guide_every, text_weight, seed } => {
+            let usual = |options: SamplingOptions| SamplingOptions {
+                guide_every: *guide_every,
+                text_weight: text_weight.map_or(options.text_weight, |weight| weight as f32),
+                ..options
+            };
+            of_control(on, *joints, *steps, *seed, &usual, console)
+        }
+    }
+}
+
+fn of_control(
+    on: &EvaluateOnArgs,
+    joints: JointsArg,
+    steps: Option<StepsArg>,
+    seed: u64,
+    usual: &dyn Fn(SamplingOptions) -> SamplingOptions,
+    console: &Console,
+) -> Result<(), CliError> {
+    let model = Opened::of(&on.model)?;
+    let wrong = |cause| about(&on.model, cause);
+    let texts = text::encoder(&model.header, &model.weights, None, &on.model)?;
+    let networks = Networks::new(&model.header.sizes, &model.weights).map_err(wrong)?;
+    if networks.control.is_none() {
+        return Err(CliError::NoControl { path: on.model.clone() });
+    }
+    let windows = held_out(on, &model, 100)?;
+    let no_text = texts.encode("").map_err(wrong)?;
+    let sampler = Sampler { networks: &networks, features: &model.features, no_text: &no_text };
+    let sampling = usual(model.sampling(steps, &on.model)?);
+    let protocols: &[Protocol] = match joints {
+        JointsArg::One => &[Protocol::Average],
+        JointsArg::Several => &[Protocol::Cross],
+        JointsArg::Both => &[Protocol::Average, Protocol::Cross],
+    };
+    let mut table = ControlTable { rows: Vec::new() };
+    for &protocol in protocols {
+        let options = |plane, guidance| ControlOptions {
+            protocol,
+            plane,
+            sampling: SamplingOptions { guidance, ..sampling.clone() },
+            seed,
+        };
+        let [real, back] = bounds(&networks.vae, &model.features, &windows, &options(false, None))?;
+        table.rows.push(("real motion".into(), protocol, real));
+        table.rows.push(("through the autoencoder".into(), protocol, back));
+        let mut runs = vec![("conditions in space", false, None)];
+        if networks.plane.is_some() {
+            runs.push(("conditions of a picture", true, None));
+            runs.push(("conditions of a picture, guided", true, sampling.guidance.clone()));
+        }
+        runs.push(("conditions in space, guided", false, sampling.guidance.clone()));
+        for (name, plane, guidance) in runs {
+            let bar = console.bar(name);
+            let row = control(
+                &sampler,
+                &model.places,
+                texts.as_ref(),
+                &windows,
+                &options(plane, guidance),
+                &|done, all| bar.at(done, all).is_continue(),
+            )?;
+            table.rows.push((name.into(), protocol, row));
+        }
+    }
+    console.say(table.text().trim_end())?;
+    console.result(&table)
+}
+
+/// A model file, read whole.
+struct Opened {
+    header: ModelHeader,
+    weights: Tensors,
+    features: Statistics,
+    places: Statistics,
+}
+
+impl Opened {
+    fn of(path: &Path) -> Result<Self, CliError> {
+        let wrong = |cause: CheckpointError| CliError::Model { path: path.into(), cause: Box::new(cause) };
+        let mut file = ModelFile::open(inputs::open_large(path)?).map_err(wrong)?;
+        let header = file.header().clone();
+        let (features, places) = header.statistics().map_err(wrong)?;
+        let weights = file.tensors().map_err(wrong)?;
+        Ok(Self { header, weights, features, places })
+    }
+
+    fn sampling(&self, steps: Option<StepsArg>, path: &Path) -> Result<SamplingOptions, CliError> {
+        let configuration = match self.header.semantics {
+            Semantics::Paper => Configuration::paper(),
+            Semantics::Official => Configuration::official(),
+        };
+        let usual = configuration.map_err(|cause| about(path, cause))?.sampling_options();
+        let distilled = self.header.is_distilled();
+        let steps = super::generate::steps(steps, distilled)
+            .ok_or_else(|| CliError::StepsOfModel { path: path.into(), distilled })?;
+        Ok(SamplingOptions { steps, semantics: self.header.semantics, ..usual })
+    }
+}
+
+fn held_out(on: &EvaluateOnArgs, model: &Opened, usual: usize) -> Result<Vec<EvaluationWindow>, CliError> {
+    let most = model.header.sizes.most_frames();
+    if !(2..=most).contains(&on.frames) {
+        return Err(CliError::LengthOfModel { path: on.model.clone(), frames: on.frames, most });
+    }
+    let manifest = Manifest::read(&on.corpus)?;
+    Ok(windows(&manifest, on.split.into(), on.frames, on.windows.unwrap_or(usual))?)
+}
+
+fn about(path: &Path, cause: inkrig_generate::GenerateError) -> CliError {
+    CliError::Generate { path: path.into(), cause: Box::new(cause) }
+}
