@@ -3,6 +3,7 @@
 use super::figure::Figure;
 use super::plan::{Aim, Plan};
 use super::reference::Reference;
+use super::transfer::local;
 use super::{RetargetError, RetargetOptions};
 use crate::Skeleton;
 use crate::kinematics::Pose;
@@ -14,10 +15,11 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 pub(super) struct Calibration {
     /// For every link, the target's world rotation in the reference pose.
     pub(super) target: Vec<Quat>,
-    /// For links that point a bone, where the source's points in the reference pose.
+    /// For links that point a bone, where the source's points in the reference pose; for girdles their own bone then,
+    /// metres.
     pub(super) bones: Vec<Option<Vec3>>,
-    /// World rotations of all source joints in the reference pose.
-    pub(super) source: Vec<Quat>,
+    /// The source's reference pose.
+    pub(super) source: Pose,
     /// The target's rest pose.
     pub(super) rest: Pose,
     pub(super) scale: f32,
@@ -61,6 +63,11 @@ pub(super) fn calibrate(
                 let flat = |v: DVec3| DVec3::new(v.x, 0.0, v.z).normalize_or_zero();
                 between(flat(turn * (to(*target) - place)), flat(from(*end) - from(*begin))) * turn
             }
+            Aim::Girdle { target: hip, .. } => {
+                let own = above(target, link.target, &turned).unwrap_or(turn);
+                points = Some((own * (to(*hip) - place)).as_vec3());
+                own
+            }
             Aim::Upright | Aim::Along => above(target, link.target, &turned).unwrap_or(turn),
         };
         turned[link.target] = Some(rotation);
@@ -72,7 +79,7 @@ pub(super) fn calibrate(
         Some(scale) => return Err(RetargetError::Scale(scale)),
         None => {
             // A person in the same pose; an animal's legs reach as far as they do at rest, however they bend.
-            let as_source = || onto.height(&stood(target, plan, &rotations));
+            let as_source = || onto.height(&stood((target, &rest), plan, &rotations));
             let own = if onto.quadruped().is_some() { onto.height(&rest) } else { as_source() };
             if reference.height <= 1e-4 {
                 return Err(RetargetError::NoLegs("motion"));
@@ -86,7 +93,7 @@ pub(super) fn calibrate(
     Ok(Calibration {
         target: rotations,
         bones,
-        source: reference.pose.rotations.clone(),
+        source: reference.pose.clone(),
         scale,
         source_ground: reference.ground,
         target_ground: onto.sole(&rest),
@@ -95,13 +102,14 @@ pub(super) fn calibrate(
 }
 
 /// The target in the source's reference pose, its first root at its own offset.
-fn stood(target: &Skeleton, plan: &Plan, rotations: &[Quat]) -> Pose {
+fn stood((target, rest): (&Skeleton, &Pose), plan: &Plan, rotations: &[Quat]) -> Pose {
     let mut pose = Pose::new(target);
     for (index, joint) in target.joints().iter().enumerate() {
         let above = joint.parent.map_or(Quat::IDENTITY, |parent| pose.rotations[parent]);
         let place = joint.parent.map_or(Vec3::ZERO, |parent| pose.positions[parent]);
         let link = plan.links.iter().position(|link| link.target == index);
-        pose.rotations[index] = link.and_then(|link| rotations.get(link).copied()).unwrap_or(above);
+        let own = link.and_then(|link| rotations.get(link).copied());
+        pose.rotations[index] = own.unwrap_or_else(|| above * local(target, rest, index));
         pose.positions[index] = place + above * joint.offset;
     }
     pose

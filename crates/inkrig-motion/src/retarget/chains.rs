@@ -28,12 +28,10 @@ pub(super) fn links((from, own): Side<'_>, (onto, other): Side<'_>) -> Vec<Link>
     // A tail hangs one way while nothing is turned and is carried another: where it points counts.
     pointed((&from.tail, &own.1.positions), (&onto.tail, &other.1.positions), &mut links);
     for (source, target) in from.hind.iter().chain(&from.fore).zip(onto.hind.iter().chain(&onto.fore)) {
-        let girdle = source.girdle.last().copied();
-        for &joint in &target.girdle {
-            // Without a shoulder blade of its own it goes with what carries it.
-            if let Some(lead) = girdle {
-                links.push(Link { target: joint, lead: Lead::one(lead), aim: Aim::Upright });
-            }
+        // Without a shoulder blade of its own it goes with what carries it.
+        if let (Some(&lead), Some(&joint)) = (source.girdle.last(), target.girdle.last()) {
+            let aim = Aim::Girdle { target: target.joints[0], source: source.joints[0] };
+            links.push(Link { target: joint, lead: Lead::one(lead), aim });
         }
         leg((source, own), (target, other), &mut links);
     }

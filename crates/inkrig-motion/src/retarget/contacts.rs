@@ -9,6 +9,8 @@ use glam::Vec3;
 const HEIGHT: f32 = 0.06;
 /// A foot that stands moves slower than this, leg lengths a second.
 const SPEED: f32 = 0.25;
+/// A foot goes with a ground that goes along when it is at least so much of its speed on its way.
+const WITH: f32 = 0.3;
 /// Shorter contacts are passing by, and shorter gaps between two are none, seconds.
 const SHORTEST: f64 = 0.1;
 
@@ -17,9 +19,9 @@ const SHORTEST: f64 = 0.1;
 pub(super) struct Standing {
     /// Leg, first frame, last frame.
     pub(super) contacts: Vec<(usize, usize, usize)>,
-    /// The figure goes where it is, and its feet slide while they are down, as in games: they stand on a ground that
-    /// goes along as each foot does.
-    pub(super) on_the_spot: bool,
+    /// The figure goes where it is, and its feet slide while they are down, as in games: how the ground goes along under
+    /// them, metres a second.
+    pub(super) treadmill: Option<Vec3>,
     /// Frames of a T-pose at the beginning, in which nothing is held.
     pub(super) rest_pose_frames: usize,
     /// For each leg's ankle and ball, the height at which it stands, metres.
@@ -56,7 +58,7 @@ pub(super) fn find(
     rate: f64,
     rest_pose_frames: usize,
 ) -> Standing {
-    let on_the_spot = on_the_spot(positions, figure, ground, leg, rate);
+    let treadmill = treadmill(positions, figure, ground, leg, rate);
     let frames = positions.frames();
     let shortest = (SHORTEST * rate).ceil().max(2.0) as usize;
     let mut contacts = Vec::new();
@@ -68,7 +70,12 @@ pub(super) fn find(
             for (frame, slot) in stands.iter_mut().enumerate() {
                 let (step, seconds) = step(positions, joint, frame, rate);
                 let low = positions.frame(frame)[joint].y < lowest + HEIGHT * leg;
-                *slot |= low && (on_the_spot || step.length() < SPEED * leg * seconds);
+                let still = SPEED * leg * seconds;
+                // On the spot a foot that stands goes with the ground, however evenly, and one that swings against it.
+                let stays = treadmill.map_or(step.length() < still, |ground| {
+                    step.y.abs() < still && step.dot(ground) > WITH * ground.length_squared() * seconds
+                });
+                *slot |= low && stays;
             }
         }
         // A T-pose at the beginning stands somewhere else.
@@ -92,7 +99,7 @@ pub(super) fn find(
             [own.foot, own.toes].map(|joint| standing_height(positions, joint?, index, &contacts))
         })
         .collect();
-    Standing { contacts, on_the_spot, rest_pose_frames, low }
+    Standing { contacts, treadmill, rest_pose_frames, low }
 }
 
 /// The lowest place of a joint; `None` where it never comes near the ground.
@@ -108,13 +115,13 @@ fn step(positions: &Positions, joint: usize, frame: usize, rate: f64) -> (Vec3, 
     (step, ((after - before).max(1) as f64 / rate) as f32)
 }
 
-/// Whether a figure stays where it is while its feet slide one way and come back through the air. How fast they slide
-/// need not be even.
-fn on_the_spot(positions: &Positions, figure: &Figure, ground: f32, leg: f32, rate: f64) -> bool {
+/// How fast and where feet slide in the mean, metres a second, of a figure that stays where it is while they slide one way
+/// and come back through the air; `None` for others. How fast they slide need not be even.
+fn treadmill(positions: &Positions, figure: &Figure, ground: f32, leg: f32, rate: f64) -> Option<Vec3> {
     let frames = positions.frames();
     let seconds = (frames.saturating_sub(1) as f64 / rate) as f32;
     if figure.legs.is_empty() || seconds <= 0.0 {
-        return false;
+        return None;
     }
     let mut speeds = Vec::new();
     for joint in figure.legs.iter().filter_map(|own| own.sole().next()) {
@@ -132,7 +139,8 @@ fn on_the_spot(positions: &Positions, figure: &Figure, ground: f32, leg: f32, ra
     let middle = |frame: usize| figure.middle(positions.frame(frame)).with_y(0.0);
     let travels = middle(frames - 1).distance(middle(0)) / seconds;
     // Feet of one who travels stand; those of one who dances on the spot go all ways.
-    all > 2.0 * SPEED * leg && mean.length() > 0.6 * all && travels < 0.25 * mean.length()
+    let slides = all > 2.0 * SPEED * leg && mean.length() > 0.6 * all && travels < 0.25 * mean.length();
+    slides.then_some(mean)
 }
 
 /// The height at which a joint is while its foot stands: a tenth of the contacts' frames are lower.

@@ -106,12 +106,13 @@ fn goals(
     let Some(foot) = leg.foot else { return vec![(Vec3::ZERO, 0.0); places.len()] };
     let ease = (EASE * ground.rate).round().max(1.0);
     let contacts = ground.standing.contacts.iter().filter(|contact| contact.0 == index);
+    let belt = ground.standing.treadmill.and(source.foot).map(|own| belt(index, (own, foot), places, ground));
     let own: Vec<(usize, usize, Vec<Vec3>)> = contacts
         .map(|&(_, first, last)| {
-            let still = vec![Vec3::ZERO; last + 1 - first];
-            // Of one who goes on the spot feet slide: nothing says where they should stay.
-            let held = !ground.standing.on_the_spot;
-            let shifts = if held { shifts(&places[first..=last], foot, leg.toes) } else { still };
+            let shifts = match &belt {
+                Some(belt) => belt[first..=last].to_vec(),
+                None => shifts(&places[first..=last], foot, leg.toes),
+            };
             (first, last, shifts)
         })
         .collect();
@@ -129,16 +130,7 @@ fn goals(
                 return (now[foot], 0.0);
             }
             let height = lift(index, (source, leg), now, frame, ground);
-            let mut goal = now[foot] + pull / weight + Vec3::Y * height;
-            if ground.standing.on_the_spot {
-                // Nothing holds it over the ground: the leg points where it did, longer or shorter.
-                let along = now[foot] - now[leg.upper];
-                let longer = height / along.y;
-                if longer.abs() < 0.5 {
-                    goal = now[foot] + along * longer;
-                }
-            }
-            (goal, strongest)
+            (now[foot] + pull / weight + Vec3::Y * height, strongest)
         })
         .collect()
 }
@@ -153,6 +145,20 @@ impl Ground<'_> {
         let share = (1.0 - outside / ease).max(0.0) as f32;
         share * share * (3.0 - 2.0 * share)
     }
+}
+
+/// How far a foot is to be moved over the ground in every frame so that it goes as far as the scaled source's: of one who
+/// goes on the spot the ground goes along as each foot does. They are 0 in the mean of the contacts, so that a leg points
+/// on the whole where it did, and the same for all of them, so that a loop stays one.
+fn belt(index: usize, (own, foot): (usize, usize), places: &[Vec<Vec3>], ground: &Ground<'_>) -> Vec<Vec3> {
+    let off =
+        |frame: usize| (ground.scale * ground.source.frame(frame)[own] - places[frame][foot]).with_y(0.0);
+    let contacts = ground.standing.contacts.iter().filter(|contact| contact.0 == index);
+    let (sum, count) = contacts
+        .flat_map(|&(_, first, last)| first..=last)
+        .fold((Vec3::ZERO, 0_u32), |(sum, count), frame| (sum + off(frame), count + 1));
+    let mean = sum / count.max(1) as f32;
+    (0..places.len()).map(|frame| off(frame) - mean).collect()
 }
 
 /// How far a foot is to be moved over the ground in each frame of a contact so that of ankle and ball the stiller one

@@ -79,6 +79,21 @@ impl Figure {
         }
     }
 
+    /// From right to left between the hip joints, and between the shoulders.
+    pub(super) fn across(&self, places: &[Vec3]) -> Vec<Vec3> {
+        let pairs = match &self.body {
+            Some(Body::Humanoid(body)) => {
+                let arms = body.arms[0].zip(body.arms[1]).map(|(left, right)| [left.upper, right.upper]);
+                [Some([body.legs[0].upper, body.legs[1].upper]), arms]
+            }
+            Some(Body::Quadruped(body)) => {
+                [&body.hind, &body.fore].map(|legs| Some([legs[0].joints[0], legs[1].joints[0]]))
+            }
+            None => [None, None],
+        };
+        pairs.into_iter().flatten().map(|[left, right]| places[left] - places[right]).collect()
+    }
+
     /// How high the legs begin above the lowest foot; of an unknown figure its height.
     pub(super) fn height(&self, pose: &Pose) -> f32 {
         let top = if self.legs.is_empty() {

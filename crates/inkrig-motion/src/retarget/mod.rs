@@ -215,7 +215,7 @@ pub fn retarget(
         twists: twists.iter().map(|twist| twist.joint).collect(),
         contacts: standing.contacts.clone(),
         ground,
-        on_the_spot: standing.on_the_spot,
+        on_the_spot: standing.treadmill.is_some(),
         facts: Facts {
             bones: bones.collect(),
             source_ground: calibration.source_ground,

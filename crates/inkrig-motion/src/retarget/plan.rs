@@ -43,6 +43,9 @@ pub(super) enum Aim {
     Upright,
     /// With the bone before it: hands and toes.
     Along,
+    /// So far that a hip or shoulder moves over the trunk as the source's does: target joint, source joint. A shoulder
+    /// blade lies otherwise in every rig, and its turns by themselves say nothing about where it takes a leg.
+    Girdle { target: usize, source: usize },
 }
 
 impl Plan {

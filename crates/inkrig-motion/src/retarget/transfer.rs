@@ -36,25 +36,39 @@ pub(super) fn transfer(
     for frame in 0..source.frames() {
         pose.set(source, frame);
         // How a source joint is turned against the reference pose, world axes.
-        let turned = |joint: usize| pose.rotations[joint] * calibration.source[joint].conjugate();
+        let turned = |joint: usize| pose.rotations[joint] * calibration.source.rotations[joint].conjugate();
         let mut turns: Vec<Option<Quat>> = vec![None; target.len()];
+        // The same of target joints.
+        let mut along_with: Vec<Option<Quat>> = vec![None; target.len()];
         for ((link, reference), bone) in plan.links.iter().zip(&calibration.target).zip(&calibration.bones) {
             let (low, high) = (turned(link.lead.low), turned(link.lead.high));
             let mut along = if link.lead.part > 0.0 { low.slerp(high, link.lead.part) } else { low };
-            if let (Aim::Bone { from, to, .. }, Some(bone)) = (&link.aim, bone) {
+            let points = match &link.aim {
                 // Where several bones of the source stand for one, their joint alone does not say where it points.
-                let points = to.place(&pose.positions) - from.place(&pose.positions);
-                along = between((along * *bone).as_dvec3(), points.as_dvec3()).as_quat() * along;
+                Aim::Bone { from, to, .. } => {
+                    bone.zip(Some(to.place(&pose.positions) - from.place(&pose.positions)))
+                }
+                Aim::Girdle { source: hip, .. } => bone.map(|bone| {
+                    let carrier = above(target, link.target, &along_with);
+                    let moved = calibration.scale
+                        * strayed(source, &calibration.source, &pose, (link.lead.low, *hip));
+                    (bone, carrier * (bone + moved))
+                }),
+                _ => None,
+            };
+            if let Some((bone, points)) = points {
+                along = between((along * bone).as_dvec3(), points.as_dvec3()).as_quat() * along;
             }
+            along_with[link.target] = Some(along);
             turns[link.target] = Some((along * *reference).normalize());
         }
         for twist in twists.iter_mut() {
             turns[twist.joint] = twist.turn(&turns, plan, calibration);
         }
         let mut world: Vec<Quat> = Vec::with_capacity(target.len());
-        for (joint, own) in target.joints().iter().zip(turns) {
+        for (index, (joint, own)) in target.joints().iter().zip(turns).enumerate() {
             let parent = joint.parent.map_or(Quat::IDENTITY, |parent| world[parent]);
-            world.push(own.unwrap_or(parent));
+            world.push(own.unwrap_or_else(|| parent * local(target, &calibration.rest, index)));
         }
         // The middle of the legs is what is scaled: hips joints stand elsewhere in other skeletons.
         let middle = from.middle(&pose.positions) - Vec3::Y * calibration.source_ground;
@@ -64,6 +78,32 @@ pub(super) fn transfer(
         moved.turns.push(world);
     }
     moved
+}
+
+/// A joint's rotation against what stands above it.
+pub(super) fn local(skeleton: &Skeleton, pose: &Pose, joint: usize) -> Quat {
+    let above = skeleton.joints()[joint].parent.map_or(Quat::IDENTITY, |parent| pose.rotations[parent]);
+    above.conjugate() * pose.rotations[joint]
+}
+
+/// How far a hip or shoulder is from where it would be if its girdle did not turn against the trunk: metres, in the axes
+/// of the reference pose.
+fn strayed(source: &Clip, stood: &Pose, now: &Pose, (girdle, hip): (usize, usize)) -> Vec3 {
+    let carrier = source.skeleton().joints()[girdle].parent;
+    let seen = |pose: &Pose| {
+        let (place, turn) = carrier.map_or((Vec3::ZERO, Quat::IDENTITY), |joint| {
+            (pose.positions[joint], pose.rotations[joint] * stood.rotations[joint].conjugate())
+        });
+        turn.conjugate() * (pose.positions[hip] - place)
+    };
+    seen(now) - seen(stood)
+}
+
+/// What the nearest joint above is turned by that is led.
+fn above(target: &Skeleton, joint: usize, turned: &[Option<Quat>]) -> Quat {
+    let parent = |joint: &usize| target.joints().get(*joint).and_then(|joint| joint.parent);
+    let first = target.joints()[joint].parent;
+    std::iter::successors(first, parent).find_map(|joint| turned[joint]).unwrap_or(Quat::IDENTITY)
 }
 
 /// Places of all joints when the hips are at one.

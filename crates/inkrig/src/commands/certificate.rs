@@ -31,11 +31,13 @@ pub(super) struct CertificateRecord {
     limbs: Vec<LimbRecord>,
     /// Degrees between the trunks of both, over all frames.
     trunk_degrees: SpreadRecord,
+    /// Degrees between the lines from hip to hip and from shoulder to shoulder of both.
+    across_degrees: SpreadRecord,
     /// How often a foot stands.
     contacts: usize,
-    /// The motion goes on the spot, its feet slide, and so do the result's.
+    /// The motion goes on the spot: its feet stand on a ground that goes along.
     on_the_spot: bool,
-    /// Millimetres from frame to frame of what stands of a foot.
+    /// Millimetres from frame to frame of what stands of a foot, against a ground that may go along.
     slide_mm: SpreadRecord,
     /// Millimetres of standing feet above the ground.
     floating_mm: SpreadRecord,
@@ -61,6 +63,7 @@ struct BrokenRecord {
 struct LimitsRecord {
     direction_p95_degrees: f64,
     trunk_p95_degrees: f64,
+    across_p95_degrees: f64,
     slide_max_mm: f64,
     floating_p95_mm: f64,
     below_ground_max_mm: f64,
@@ -152,7 +155,7 @@ impl From<&Hinge> for HingeRecord {
 
 impl CertificateRecord {
     pub(super) fn of(certificate: &Certificate, broken: &[Broken]) -> Self {
-        let limits = CertificateLimits::default();
+        let limits = CertificateLimits::default().sized(certificate.size);
         let pair =
             |(own, other): &(String, String)| PairRecord { character: own.clone(), motion: other.clone() };
         Self {
@@ -161,10 +164,11 @@ impl CertificateRecord {
             limits: LimitsRecord {
                 direction_p95_degrees: limits.direction_degrees,
                 trunk_p95_degrees: limits.trunk_degrees,
-                slide_max_mm: limits.slide_mm,
-                floating_p95_mm: limits.floating_mm,
-                below_ground_max_mm: limits.penetration_mm,
-                drift_max_mm: limits.drift_mm,
+                across_p95_degrees: limits.across_degrees,
+                slide_max_mm: round(limits.slide_mm, 1),
+                floating_p95_mm: round(limits.floating_mm, 1),
+                below_ground_max_mm: round(limits.penetration_mm, 1),
+                drift_max_mm: round(limits.drift_mm, 1),
                 hinge_beyond_max_degrees: limits.hinge_degrees,
             },
             scale: round(f64::from(certificate.scale), 6),
@@ -175,6 +179,7 @@ impl CertificateRecord {
             direction_degrees: certificate.direction.into(),
             limbs: certificate.limbs.iter().map(LimbRecord::from).collect(),
             trunk_degrees: certificate.trunk.into(),
+            across_degrees: certificate.across.into(),
             contacts: certificate.contacts,
             on_the_spot: certificate.on_the_spot,
             slide_mm: certificate.slide.into(),
@@ -211,24 +216,30 @@ impl CertificateRecord {
                 format!("{} degrees (P95)", fixed(self.trunk_degrees.p95, 1)),
                 format!("{}; {}", of(self.trunk_degrees), wanted(self.limits.trunk_p95_degrees)),
             ),
-            match (stands, self.on_the_spot) {
-                (false, _) => figure("feet slide", "-".into(), "no foot stands in this motion".into()),
-                (_, true) => figure(
-                    "feet slide",
-                    "-".into(),
-                    "the motion goes on the spot: its feet slide too, and are not held".into(),
-                ),
-                _ => figure(
+            figure(
+                "hips, shoulders tilt",
+                format!("{} degrees (P95)", fixed(self.across_degrees.p95, 1)),
+                format!("{}; {}", of(self.across_degrees), wanted(self.limits.across_p95_degrees)),
+            ),
+            if stands {
+                figure(
                     "feet slide",
                     format!("{} mm a frame", fixed(self.slide_mm.max, 1)),
                     format!(
-                        "mean {}, P95 {}, while they stand ({}); {}",
+                        "mean {}, P95 {}, while they stand ({}){}; {}",
                         fixed(self.slide_mm.mean, 1),
                         fixed(self.slide_mm.p95, 1),
                         counted(self.contacts, "time"),
+                        if self.on_the_spot {
+                            " on a ground that goes along as the motion's feet do"
+                        } else {
+                            ""
+                        },
                         wanted(self.limits.slide_max_mm)
                     ),
-                ),
+                )
+            } else {
+                figure("feet slide", "-".into(), "no foot stands in this motion".into())
             },
         ];
         if stands {

@@ -2,7 +2,8 @@
 
 use super::Certificate;
 
-/// What a certificate is held against.
+/// What a certificate is held against. Limits in millimetres are for people, and for animals with legs of a metre; of
+/// smaller and larger animals they are as much smaller and larger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CertificateLimits {
     /// Most degrees for the 95th percentile of [`Certificate::direction`]. Default: 5.
@@ -10,6 +11,9 @@ pub struct CertificateLimits {
     /// Most degrees for the 95th percentile of [`Certificate::trunk`]: trunks of other build slope otherwise while
     /// nothing is turned. Default: 25.
     pub trunk_degrees: f64,
+    /// Most degrees for the 95th percentile of [`Certificate::across`]: shoulders of
+    /// other width tilt otherwise. Default: 25.
+    pub across_degrees: f64,
     /// Most millimetres a frame for the largest of [`Certificate::slide`]. Default: 5.
     pub slide_mm: f64,
     /// Most millimetres for the 95th percentile of [`Certificate::floating`]. Default: 20.
@@ -27,6 +31,7 @@ impl Default for CertificateLimits {
         Self {
             direction_degrees: 5.0,
             trunk_degrees: 25.0,
+            across_degrees: 25.0,
             slide_mm: 5.0,
             floating_mm: 20.0,
             penetration_mm: 20.0,
@@ -47,9 +52,24 @@ pub struct Broken {
     pub limit: f64,
 }
 
+impl CertificateLimits {
+    /// Those in millimetres times a size.
+    #[must_use]
+    pub fn sized(&self, size: f64) -> Self {
+        Self {
+            slide_mm: size * self.slide_mm,
+            floating_mm: size * self.floating_mm,
+            penetration_mm: size * self.penetration_mm,
+            drift_mm: size * self.drift_mm,
+            ..*self
+        }
+    }
+}
+
 impl Certificate {
-    /// The limits that are not kept.
+    /// The limits that are not kept, those in millimetres times [`Certificate::size`].
     pub fn broken(&self, limits: &CertificateLimits) -> Vec<Broken> {
+        let limits = limits.sized(self.size);
         let beyond = self.hinges.iter().map(super::Hinge::beyond).fold(0.0, f64::max);
         [
             (
@@ -58,6 +78,11 @@ impl Certificate {
                 limits.direction_degrees,
             ),
             ("direction of the trunk, degrees, 95th percentile", self.trunk.p95, limits.trunk_degrees),
+            (
+                "direction from hip to hip or between shoulders, degrees, 95th percentile",
+                self.across.p95,
+                limits.across_degrees,
+            ),
             ("slide of standing feet, mm a frame, largest", self.slide.max, limits.slide_mm),
             ("standing feet above the ground, mm, 95th percentile", self.floating.p95, limits.floating_mm),
             ("depth below the ground, mm, largest", self.penetration.max, limits.penetration_mm),

@@ -16,6 +16,7 @@ pub(super) struct Measured {
     /// Of every limb's bone.
     pub(super) directions: Vec<Bone>,
     pub(super) trunk: Vec<f64>,
+    pub(super) across: Vec<f64>,
     pub(super) slides: Vec<f64>,
     pub(super) floating: Vec<f64>,
     pub(super) depths: Vec<f64>,
@@ -33,25 +34,34 @@ impl Measured {
             let off = |frame: usize| b.frame(frame)[own].distance(scaled(a.frame(frame)[other]));
             (0..frames).map(|frame| millimetres(off(frame))).collect()
         };
+        // One who lies may be in the ground in the source already.
         let lowest = |frame: usize| {
-            let heights = moved.pairs.iter().map(|pair| b.frame(frame)[pair.0].y);
-            millimetres((moved.ground - heights.fold(f32::INFINITY, f32::min)).max(0.0))
+            let own = moved.pairs.iter().map(|pair| b.frame(frame)[pair.0].y);
+            let other = moved.pairs.iter().map(|pair| scaled(a.frame(frame)[pair.1]).y);
+            let allowed = other.fold(moved.ground, f32::min);
+            millimetres((allowed - own.fold(f32::INFINITY, f32::min)).max(0.0))
         };
         let drift = |frame: usize| {
             let own = facts.onto.middle(b.frame(frame));
             let other = scaled(facts.from.middle(a.frame(frame)));
             millimetres((own - other).with_y(0.0).length())
         };
-        let trunk = |frame: usize| {
-            let (own, other) = (facts.onto.trunk(b.frame(frame))?, facts.from.trunk(a.frame(frame))?);
+        let degrees = |own: Vec3, other: Vec3| {
             let degrees = own.as_dvec3().angle_between(other.as_dvec3()).to_degrees();
             Some(degrees).filter(|degrees| degrees.is_finite())
+        };
+        let trunk =
+            |frame: usize| degrees(facts.onto.trunk(b.frame(frame))?, facts.from.trunk(a.frame(frame))?);
+        let across = |frame: usize| {
+            let (own, other) = (facts.onto.across(b.frame(frame)), facts.from.across(a.frame(frame)));
+            own.into_iter().zip(other).filter_map(|(own, other)| degrees(own, other)).collect::<Vec<_>>()
         };
         let (slides, floating) = standing(moved, a, b, frames);
         Self {
             positions: moved.pairs.iter().map(|&(own, other)| apart(own, other)).collect(),
             directions: directions(moved, a, b, frames),
             trunk: (0..frames).filter_map(trunk).collect(),
+            across: (0..frames).flat_map(across).collect(),
             slides,
             floating,
             // A T-pose at the beginning stands on no ground.
@@ -106,6 +116,7 @@ type Point = (usize, usize, usize);
 fn standing(moved: &Retargeted, a: &Positions, b: &Positions, frames: usize) -> (Vec<f64>, Vec<f64>) {
     let (mut steps, mut floating) = (Vec::new(), Vec::new());
     let facts = &moved.facts;
+    let treadmill = facts.standing.treadmill.unwrap_or(Vec3::ZERO);
     for &(leg, first, last) in &moved.contacts {
         let (Some(own), Some(other)) = (facts.from.legs.get(leg), facts.onto.legs.get(leg)) else { continue };
         let points: Vec<Point> = [(own.foot, other.foot), (own.toes, other.toes)]
@@ -114,13 +125,18 @@ fn standing(moved: &Retargeted, a: &Positions, b: &Positions, frames: usize) -> 
             .filter_map(|(part, (a, b))| Some((part, a?, b?)))
             .collect();
         for frame in first..=last.min(frames.saturating_sub(1)) {
-            if frame > first && !moved.on_the_spot {
+            if frame > first {
                 let step = |positions: &Positions, joint: usize| {
                     (positions.frame(frame)[joint] - positions.frame(frame - 1)[joint]).with_y(0.0)
                 };
-                let stillest =
-                    points.iter().min_by(|x, y| step(a, x.1).length().total_cmp(&step(a, y.1).length()));
-                steps.extend(stillest.map(|point| 1e3 * f64::from(step(b, point.2).length())));
+                let ground = treadmill * (1.0 / moved.clip.frame_rate()) as f32;
+                let slides = |point: &&Point| (step(a, point.1) - ground).length();
+                let stillest = points.iter().min_by(|x, y| slides(x).total_cmp(&slides(y)));
+                steps.extend(stillest.map(|point| {
+                    // A ground that goes along does so as the source's foot does.
+                    let along = if moved.on_the_spot { moved.scale * step(a, point.1) } else { Vec3::ZERO };
+                    1e3 * f64::from((step(b, point.2) - along).length())
+                }));
             }
             // Above where the foot stands: the lower of ankle and ball.
             let over = |of: &dyn Fn(&Point) -> Option<f32>| {

@@ -39,16 +39,18 @@ pub struct Certificate {
     pub limbs: Vec<BoneDirection>,
     /// Degrees between the trunks, from where the legs begin to where the arms (of an animal the forelegs) do.
     pub trunk: Spread,
+    /// Degrees between the lines from hip to hip, and those from shoulder to shoulder.
+    pub across: Spread,
     /// How often a foot stood in the source.
     pub contacts: usize,
     /// Millimetres over the ground from frame to frame, of feet that stand: of ankle and ball, the one that stood
-    /// stiller in the source. None of one who goes on the spot, whose feet slide
-    /// in the source too.
+    /// stiller in the source. Under the feet of one who goes on the spot the ground goes along as the scaled source's
+    /// feet do, and this is the difference.
     pub slide: Spread,
     /// Millimetres of a standing foot above where the scaled source's stands; 0 where it is not above.
     pub floating: Spread,
-    /// Millimetres of the lowest mapped joint below the ground, over all frames but a T-pose at the beginning; 0 where
-    /// none is below.
+    /// Millimetres of the lowest mapped joint below the ground, or below the lowest of the scaled source where that is in
+    /// the ground itself, over all frames but a T-pose at the beginning; 0 where none is below.
     pub penetration: Spread,
     /// Millimetres over the ground between the way of the legs' middle and that of the scaled source.
     pub drift: Spread,
@@ -56,6 +58,8 @@ pub struct Certificate {
     pub hinges: Vec<Hinge>,
     /// The source goes on the spot, as games have it: its feet stand on a ground that goes along.
     pub on_the_spot: bool,
+    /// What limits in millimetres are multiplied by: of an animal the height of its legs at rest in metres, else 1.
+    pub size: f64,
 }
 
 /// How well one bone points where the source's does.
@@ -122,6 +126,7 @@ impl Certificate {
                 })
                 .collect(),
             trunk: Spread::of(measured.trunk),
+            across: Spread::of(measured.across),
             contacts: moved.contacts.len(),
             slide: Spread::of(measured.slides),
             floating: Spread::of(measured.floating),
@@ -129,6 +134,8 @@ impl Certificate {
             drift: Spread::of(measured.drifts),
             hinges: hinges::hinges(source, moved),
             on_the_spot: moved.on_the_spot,
+            size: (moved.facts.onto.quadruped())
+                .map_or(1.0, |_| f64::from(moved.facts.onto.height(&moved.facts.rest))),
         }
     }
 }
