@@ -38,7 +38,6 @@ import { toggleView, viewbar } from './panels/viewbar';
 import { Timeline } from './timeline/timeline';
 import { showSkin } from './viewport/skin';
 import { Stage } from './viewport/stage';
-import { poseAt } from './viewport/motion';
 
 startScheme();
 try {
@@ -142,14 +141,13 @@ function start(session: Session): void {
       stage.keyTimes = all.filter((key) => key.kind === 'hard' && key.enabled).flatMap((key) => timeOf(key) ?? []);
     });
     const point = () => {
-      const selected = session.store.document.value.keys.find((key) => key.id === ui.selected.value)?.pose ?? null;
       const found = ui.pointed.value === null ? null : session.source.value.find(ui.pointed.value);
-      const pose = found ? poseAt(found.part.motion, found.frame / found.part.motion.rate, new Float32Array(3 * found.part.motion.body.names.length)) : selected ? session.source.value.pose(selected.clip, selected.frame) : null;
-      stage.keyPose = pose;
+      stage.keyPose = found ? session.source.value.pose(found.part.clip.id, found.frame) : null;
     };
     ui.pointed.subscribe(point);
-    ui.selected.subscribe(point);
     session.player.playing.subscribe((is) => {
+      stage.moving = is;
+      stage.draw();
       if (is) ui.selected.value = null;
     });
   }

@@ -2,11 +2,11 @@ import type { LivePoint } from '../api/live';
 import { fit, onResize, painter } from '../base/dom';
 import type { Vec2 } from '../base/maths';
 import { theme } from '../base/theme';
-import { boundsOf, lineOf, nearestPart, NO_LINE, type Line } from '../document/curve';
+import { boundsOf, boundsOfPlaces, lineOf, nearestPart, NO_LINE, type Line } from '../document/curve';
 import type { Session } from '../document/session';
 import type { Ui } from '../document/ui';
 import { KeyMarks } from './keymarks';
-import { drawDoubt, drawDot, drawLine, drawPaper, drawRing, drawStart } from './layers';
+import { drawDoubt, drawDot, drawLine, drawMap, drawPaper, drawRing, drawStart, type MapPaths } from './layers';
 import { Navigate } from './navigate';
 import { Paper } from './paper';
 import { listenToPen, type PenSample } from './pen';
@@ -57,6 +57,7 @@ export class Board {
       if (this.#stroke && this.#grows) session.player.seek(session.player.duration.value);
     });
     for (const signal of [session.used, session.result, theme, ui.selected, ui.tool, ui.carried]) signal.subscribe(() => this.redraw());
+    ui.underlay.subscribe(() => this.frame());
     for (const signal of [session.player.seconds, ui.hover]) signal.subscribe(() => this.#drawTop());
   }
 
@@ -69,9 +70,10 @@ export class Board {
     this.#drawTop();
   }
 
-  /** Shows the whole drawing. */
+  /** Shows the whole drawing, or the map under it. */
   frame(): void {
-    const box = boundsOf(this.#line);
+    const map = this.ui.underlay.value ? (this.session.suggestions.value?.map.frames ?? []) : [];
+    const box = map.length > 1 ? boundsOfPlaces(map) : boundsOf(this.#line);
     if (box) this.paper.show(box.low, box.high, RAIL);
     else [this.paper.zoom, this.paper.pan] = [1, [0, 0]];
     this.redraw();
@@ -214,10 +216,22 @@ export class Board {
     this.#drawTop();
   }
 
+  #mapPaths(): MapPaths {
+    const { source, suggestions } = this.session;
+    const frames = suggestions.value?.map.frames ?? [];
+    return frames.flatMap((place, i) => {
+      const next = frames[i + 1];
+      if (!next || next.clip !== place.clip || next.frame < place.frame || next.frame - place.frame > 60) return [];
+      const part = (source.value.count(place.clip, place.frame) ?? 0) / Math.max(source.value.frames - 1, 1);
+      return [{ from: [place.x, place.y] as const, to: [next.x, next.y] as const, part }];
+    });
+  }
+
   #renderInk(): void {
     const { context } = fit(this.#ink);
     const now = theme.value;
     drawPaper(context, this.paper, now);
+    if (this.ui.underlay.value) drawMap(context, this.paper, this.#mapPaths(), now);
     const { used, source, result } = this.session;
     const colours = { used: used.value, frames: source.value.frames, theme: now };
     const replaced = this.#stroke !== null && this.ui.tool.value === 'draw';

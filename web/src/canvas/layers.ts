@@ -1,5 +1,5 @@
 import { blend, css, rampAt, type Rgb } from '../base/colour';
-import { clamp } from '../base/maths';
+import { clamp, type Vec2 } from '../base/maths';
 import type { Theme } from '../base/theme';
 import { placeAt, type Line } from '../document/curve';
 import type { Used } from '../document/session';
@@ -21,6 +21,18 @@ export function drawPaper(context: CanvasRenderingContext2D, paper: Paper, theme
   context.fillStyle = css(theme.grid, theme.dark ? 0.55 : 0.6);
   for (let x = x0 % gap; x < paper.width; x += gap) {
     for (let y = y0 % gap; y < paper.height; y += gap) context.fillRect(Math.round(x), Math.round(y), 1, 1);
+  }
+}
+
+/** The map of the clip under the drawing, in its own coordinates: a line drawn over it passes its moments. */
+export function drawMap(context: CanvasRenderingContext2D, paper: Paper, map: MapPaths, theme: Theme): void {
+  context.lineWidth = 1.2;
+  for (const { from, to, part } of map) {
+    context.beginPath();
+    context.moveTo(...paper.toPixels(from[0], from[1]));
+    context.lineTo(...paper.toPixels(to[0], to[1]));
+    context.strokeStyle = css(rampAt(theme.ramp, part), 0.4);
+    context.stroke();
   }
 }
 
@@ -95,6 +107,9 @@ export function toneAt({ used, frames, theme }: Colours, part: number): Rgb {
   const frame = used.frames[Math.round(clamp(part, 0, 1) * (used.frames.length - 1))] ?? 0;
   return rampAt(theme.ramp, frame / (frames - 1));
 }
+
+/** Pieces of the map, each with the part (0 to 1) of the clip it is of. */
+export type MapPaths = readonly { from: Vec2; to: Vec2; part: number }[];
 
 interface Timed extends Drop {
   readonly part: number;

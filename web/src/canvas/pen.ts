@@ -26,6 +26,12 @@ export function listenToPen(element: HTMLElement, listener: PenListener): void {
 
   element.addEventListener('pointerdown', (event) => {
     if (event.pointerType === 'pen') penSeen = true;
+    // A second finger means to move the paper: what the first began to draw was no stroke.
+    if (active && event.pointerType === 'touch' && event.pointerId !== active.id) {
+      active = null;
+      listener.end(true);
+      return;
+    }
     const drawing = event.pointerType === 'touch' ? !penSeen && event.isPrimary : event.button === 0;
     if (active || !drawing || event.ctrlKey || event.metaKey) return;
     const sample = read(element, event, event.timeStamp, null);

@@ -19,11 +19,13 @@ export class Controls {
     this.#store = store;
     this.#seconds = seconds;
     this.kind = new Signal(kindOf(store.document.value.control) ?? 'curve');
+    let before: ControlKind | null = null;
     store.document.watch(({ control }) => {
       const kind = kindOf(control);
-      if (!control || !kind) return;
-      this.#kept.set(kind, control);
-      this.kind.value = kind;
+      if (control && kind) this.#kept.set(kind, control);
+      // Another kind may have been chosen already that has nothing to follow yet.
+      if (kind && kind !== before) this.kind.value = kind;
+      before = kind;
     });
   }
 

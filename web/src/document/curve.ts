@@ -71,3 +71,8 @@ export function boundsOf(line: Line): { low: Vec2; high: Vec2 } | null {
   }
   return { low: [x0, y0], high: [x1, y1] };
 }
+
+export function boundsOfPlaces(places: readonly { x: number; y: number }[]): { low: Vec2; high: Vec2 } {
+  const [xs, ys] = [places.map(({ x }) => x), places.map(({ y }) => y)];
+  return { low: [Math.min(...xs), Math.min(...ys)], high: [Math.max(...xs), Math.max(...ys)] };
+}

@@ -43,7 +43,7 @@ export class Files {
       return;
     }
     const added = await post<Added>(`samples/${sample.name}`, {});
-    await this.#added(added, true);
+    await this.#added(added, this.controls.kind.value !== 'motion');
   }
 
   async #one(file: File, beside: readonly string[]): Promise<void> {
@@ -73,7 +73,11 @@ export class Files {
     if (!clip) return;
     const { source } = this.session.store.document.value;
     if (!arrange && !source.clips.includes(clip.id)) this.controls.set({ kind: 'motion', clip: clip.id }, `Follow ${clip.name}`);
-    else if (!source.clips.includes(clip.id)) this.session.store.edit(`Arrange ${clip.name}`, [{ type: 'setSource', source: { ...source, clips: [clip.id], range: null } }]);
+    else if (!source.clips.includes(clip.id)) {
+      // Poses of another character mean nothing to this one.
+      const keys = this.session.store.document.value.keys.filter((key) => key.pose === null || key.pose.clip === clip.id);
+      this.session.store.edit(`Arrange ${clip.name}`, [{ type: 'setSource', source: { ...source, clips: [clip.id], range: null } }, { type: 'setKeys', keys }]);
+    }
     this.say(added.warnings[0] ?? `${clip.name}: ${clip.frames} frames, ${clip.joints} joints`);
   }
 }

@@ -172,6 +172,8 @@ export class Session {
         bytes(`results/${id}/poses`),
         bytes(`results/${id}/plan?width=600&height=160`),
       ]);
+      // A result of clips that are no longer the ones to arrange.
+      if (result.clipForSkeleton !== this.store.document.value.source.clips[0]) return;
       const rig = await this.#rigOf(result);
       // A newer one came, or a stroke goes on.
       if (turn !== this.#loading || this.drawing.value) return;

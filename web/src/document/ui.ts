@@ -21,6 +21,8 @@ export class Ui {
   readonly hover = new Signal<number | null>(null);
   /** Source frame (counted through all clips) that is pointed at, shown in red beside the character. */
   readonly pointed = new Signal<number | null>(null);
+  /** Whether the map of the clip lies under the drawing. */
+  readonly underlay = new Signal(false);
   readonly carried = new Signal<Carried | null>(null);
   /** A sentence for the status line and for screen readers. */
   readonly said = new Signal('');

@@ -5,7 +5,11 @@ import { button, row, section } from './controls';
 import { openDialog } from './dialog';
 
 interface Certificate {
-  readonly [name: string]: unknown;
+  readonly verdict: string;
+  readonly broken: readonly { what: string; value: number; limit: number }[];
+  readonly pairs: readonly (readonly [string, string])[];
+  readonly unmapped: readonly string[];
+  readonly rows: readonly { name: string; unit: string; mean: number; p95: number; max: number; limit: number | null }[];
 }
 
 /** Takes the result home: a file of any format, on another character if wanted, and the command that makes it again. */
@@ -76,20 +80,21 @@ export function showExport(session: Session): void {
   openDialog('Export', content, [save]);
 }
 
-function show(certificate: Certificate): HTMLElement {
-  const rows = Object.entries(certificate).flatMap(([key, value]) => {
-    if (typeof value === 'number') return [[words(key), Math.abs(value) < 10 ? value.toFixed(2) : value.toFixed(0)]];
-    if (typeof value === 'boolean') return [[words(key), value ? 'yes' : 'no']];
-    if (typeof value === 'string' && value.length < 60) return [[words(key), value]];
-    return [];
+/** The certificate: what was measured, beside its limits. */
+function show({ verdict, broken, pairs, unmapped, rows }: Certificate): HTMLElement {
+  const cells = rows.map(({ name, unit, mean, p95, max, limit }) => {
+    const over = limit !== null && p95 > limit;
+    const figures = [mean, p95, max, limit].map((value) => h('td', {}, value === null ? '' : value < 10 ? value.toFixed(1) : value.toFixed(0)));
+    return h('tr', { class: over ? 'over' : '' }, h('th', { scope: 'row' }, `${name}, ${unit === 'degrees' ? '°' : unit}`), ...figures);
   });
-  const table = h('table', {}, h('caption', { class: 'hidden' }, 'Certificate'), h('tbody', {}, ...rows.map(([key, value]) => h('tr', {}, h('th', { scope: 'row' }, key ?? ''), h('td', {}, value ?? '')))));
-  return h('div', { style: 'margin-top:8px' }, table);
-}
-
-function words(name: string): string {
-  const text = name.replace(/([A-Z])/g, ' $1').replace(/_/g, ' ').toLowerCase();
-  return text.charAt(0).toUpperCase() + text.slice(1);
+  const head = h('tr', {}, ...['', 'mean', '95 %', 'most', 'limit'].map((text) => (text === '' ? h('td', {}) : h('th', { scope: 'col' }, text))));
+  const joints = `${pairs.length} joints follow${unmapped.length > 0 ? `, ${unmapped.length} keep their rest` : ''}.`;
+  return h(
+    'div',
+    { style: 'margin-top:8px' },
+    h('p', { class: `note ${broken.length > 0 ? 'warn' : ''}` }, `${verdict.charAt(0).toUpperCase()}${verdict.slice(1)}. ${joints}`),
+    h('table', {}, h('caption', { class: 'hidden' }, 'Certificate'), h('thead', {}, head), h('tbody', {}, ...cells)),
+  );
 }
 
 function bakeOf(kind: string): unknown {

@@ -5,7 +5,8 @@ import { theme } from '../base/theme';
 import type { Session } from '../document/session';
 import type { Ui } from '../document/ui';
 import type { Carry } from './carry';
-import { section } from './controls';
+import { newKey } from '../document/keys';
+import { button, section, Switch } from './controls';
 
 /** The clip laid out so that what is alike is near: poses to look at and to drag, and a line that is drawn over it. */
 export function mapPanel(session: Session, ui: Ui, carry: Carry): HTMLElement {
@@ -26,12 +27,25 @@ export function mapPanel(session: Session, ui: Ui, carry: Carry): HTMLElement {
     const found = frame === null ? null : session.source.value.find(frame);
     return found ? { clip: found.part.clip.id, frame: found.frame } : null;
   });
+  const under = new Switch('Lay it under the drawing', (on) => (ui.underlay.value = on));
+  ui.underlay.watch((on) => (under.value = on));
+  const hold = button('Hold the drawing to it', () => holdToMap(session), 'quiet wide');
+  hold.title = 'The suggested poses become soft keys where they lie on the map';
   return h(
     'div',
     {},
     section('Map of the clip', h('div', { class: 'map' }, canvas), note),
     h('p', { class: 'help' }, 'Point at the map to see the pose in red. Drag from it to the drawing or the timeline to make a key of it.'),
+    h('div', { style: 'margin-top:10px' }, under.element, hold),
   );
+}
+
+/** As soft keys of weight 3 at their places on the map, so that a line drawn over it passes those poses. */
+function holdToMap(session: Session): void {
+  const { candidates } = session.suggestions.value ?? { candidates: [] };
+  const others = session.store.document.value.keys.filter((key) => !key.id.startsWith('map'));
+  const keys = candidates.map(({ clip, frame, x, y }, i) => ({ ...newKey('soft', { clip, frame }, { kind: 'point', point: [x, y] }), id: `map${i}`, weight: 3 }));
+  session.store.edit('Hold the drawing to the map', [{ type: 'setKeys', keys: [...others, ...keys] }]);
 }
 
 class MapView {

@@ -1,9 +1,8 @@
-import { post } from '../api/http';
-import type { JobState, Result, Settings } from '../api/types';
+import { get, post, Refused } from '../api/http';
+import type { Applied, JobState, Result, Settings } from '../api/types';
 import { h } from '../base/dom';
 import type { Controls } from '../document/controls';
 import type { Session } from '../document/session';
-import { get } from '../api/http';
 import { button, row, section, Segments, Slider, Switch } from './controls';
 import { number } from './status';
 
@@ -69,6 +68,7 @@ export function tunePanel(session: Session, controls: Controls): HTMLElement {
     section('Length', row('Seconds', length), row('Repeat the control', repeat), row('Laps of the clip', laps)),
     section('Motion', loop.element, mirror.element, row('Root', root), row('Path', path), turn),
     section('Alternatives', others, row('Seed', seed)),
+    section('Keep a part', keepPart(session)),
   );
 }
 
@@ -83,6 +83,31 @@ function pathOf(kind: string, control: ReturnType<() => Session['store']['docume
   if (kind !== 'drawn' || control?.kind !== 'curve') return null;
   const points = control.strokes.flat().map(([x, y]) => [x, y] as [number, number]);
   return { kind, points, closed: false, metresPerUnit: null };
+}
+
+/** A stretch of the result that stays as it is while the rest is made anew. */
+function keepPart(session: Session): HTMLElement {
+  const [from, to] = [0, 1].map(() => h('input', { type: 'number', min: 0, step: 0.1 })) as [HTMLInputElement, HTMLInputElement];
+  const keep = button('Keep it', () => void lock(), 'quiet wide');
+  const lock = async () => {
+    const result = session.result.value;
+    if (!result || from.value === '' || !(Number(to.value) > Number(from.value))) {
+      session.store.failed.value = new Refused('range', 'A part to keep begins before it ends.', 'Give both times in seconds.');
+      return;
+    }
+    try {
+      await session.store.settled();
+      await session.store.follow(await post<Applied>('locks', { result: result.id, from: Number(from.value), to: Number(to.value) }), null);
+    } catch (error) {
+      session.store.failed.value = error instanceof Refused ? error : new Refused('page', String(error), null);
+    }
+  };
+  const here = button('Around the playhead', () => {
+    const { seconds, duration } = session.player;
+    from.value = Math.max(0, seconds.value - 0.5).toFixed(1);
+    to.value = Math.min(duration.value, seconds.value + 0.5).toFixed(1);
+  }, 'quiet wide');
+  return h('div', {}, row('From, seconds', from), row('To, seconds', to), h('div', { style: 'display:flex;gap:6px' }, here, keep));
 }
 
 /** Other results that follow about as well: for drawings that are nearly their own mirror image. */

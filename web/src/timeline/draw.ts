@@ -108,6 +108,10 @@ export function drawPlan({ context, scale, lanes, theme }: TimelineView, heat: H
 export function drawUsed({ context, scale, lanes, theme }: TimelineView, used: Used | null, frames: number): void {
   if (!used || frames < 2) return;
   const { top, height } = lanes.plan;
+  context.save();
+  context.beginPath();
+  context.rect(GUTTER, top - 2, scale.inner + 2, height + 4);
+  context.clip();
   context.lineWidth = 2;
   context.lineCap = 'round';
   for (let i = 0; i + 1 < used.frames.length; i += 1) {
@@ -120,6 +124,7 @@ export function drawUsed({ context, scale, lanes, theme }: TimelineView, used: U
     context.lineTo(scale.x((i + 1) / used.rate), y(b));
     context.stroke();
   }
+  context.restore();
 }
 
 export function drawControl({ context, scale, lanes, theme }: TimelineView, control: Control | null, wave: readonly number[]): void {

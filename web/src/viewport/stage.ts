@@ -23,6 +23,8 @@ const GHOSTS = [-0.5, -0.25, 0.25, 0.5];
 /** The picture of the character: drawn when something changed, never else. */
 export class Stage {
   readonly canvas: HTMLCanvasElement;
+  /** Whether more pictures follow at once: then none is worth being drawn finely. */
+  moving = false;
   readonly draw: () => void;
   readonly orbit: Orbit;
   readonly #renderer: WebGLRenderer;
@@ -122,7 +124,7 @@ export class Stage {
     this.draw();
   }
 
-  /** A pose of the source shown in red where the character is; null hides it. */
+  /** A pose of the source shown in red instead of the character's own; null shows that again. */
   set keyPose(pose: Float32Array | null) {
     this.#keyPose = pose;
     this.draw();
@@ -162,7 +164,7 @@ export class Stage {
     if (!motion) return;
     const now = theme.value;
     this.#figure = new Figure(motion, sides(now), { shadow: shade(now) });
-    this.#red = new Figure(motion, one(now.key), { opacity: 0.8, order: 3 });
+    this.#red = new Figure(motion, one(now.key), { shadow: shade(now) });
     if (this.#view.compare && this.#source) {
       this.#compare = new Figure(this.#source, one(blend(now.ghost, now.stage, 0.15)), { shadow: shade(now) });
     }
@@ -226,6 +228,7 @@ export class Stage {
       this.#sharp = false;
       this.#fit(this.#density);
     }
+    if (this.moving) return;
     this.#sharpen = window.setTimeout(() => {
       this.#sharp = true;
       this.#fit(2);
@@ -248,7 +251,7 @@ export class Stage {
     const red = this.#keyPose ?? (keyed ? pose : null);
     if (this.#figure) {
       this.#figure.pose(pose);
-      this.#figure.object.visible = this.#skin === null && !(keyed && !this.#keyPose);
+      this.#figure.object.visible = this.#skin === null && red === null;
     }
     this.#skin?.update(this.#seconds);
     if (this.#view.trails) this.#trails.seek(this.#seconds);
