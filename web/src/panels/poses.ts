@@ -1,6 +1,6 @@
 import type { Key } from '../api/types';
 import { css, rampAt } from '../base/colour';
-import { h, painter } from '../base/dom';
+import { h, onResize, painter } from '../base/dom';
 import { theme } from '../base/theme';
 import { KEY_HELP, KEY_KINDS, KEY_NAMES, newKey, timeOf } from '../document/keys';
 import type { Session } from '../document/session';
@@ -25,6 +25,12 @@ export function posesPanel(session: Session, ui: Ui, carry: Carry): HTMLElement 
   const grid = h('div', { class: 'poses' });
   const keys = h('div', {});
   const drawPoses = painter(() => suggest(grid, session, ui, carry));
+  let shown = 0;
+  // Pictures that were asked for while the panel was hidden.
+  onResize(help, () => {
+    if (help.offsetWidth > 0 && shown === 0) [drawPoses, drawKeys].forEach((draw) => draw());
+    shown = help.offsetWidth;
+  });
   session.suggestions.subscribe(drawPoses);
   session.source.subscribe(drawPoses);
   theme.subscribe(drawPoses);

@@ -6,6 +6,8 @@ import { facing, type Body } from './motion';
 /** Draws one pose (joints x 3) into a small canvas, seen a little from the side; red when it is a key. */
 export function drawPose(canvas: HTMLCanvasElement, body: Body, pose: Float32Array, theme: Theme, red = false): void {
   const { context, width, height } = fit(canvas);
+  // Hidden: it is drawn when it comes to be seen.
+  if (width < 12 || height < 12) return;
   const yaw = facing(body, pose) + 0.6;
   const [c, s] = [Math.cos(yaw), Math.sin(yaw)];
   const places = body.names.map((_, joint) => {
