@@ -4,6 +4,7 @@ use crate::{Finding, Format, FormatError, HumanBone, Limits, Original};
 use inkrig_motion::{
     Clip,
     glam::{DQuat, DVec3, Quat},
+    ground::SkeletonChange,
 };
 
 /// A motion that was read.
@@ -80,6 +81,33 @@ pub struct SourceInfo {
     pub humanoid: Vec<HumanBone>,
     /// The file itself, where a new clip can be put into it (glTF and VRM).
     pub original: Option<Original>,
+}
+
+impl SourceInfo {
+    /// Makes room for what is known of a joint that came, or takes out that of one that went. A new joint is written as the
+    /// one that had its place.
+    pub fn follow(&mut self, change: SkeletonChange) {
+        match change {
+            SkeletonChange::Kept(_) => {}
+            SkeletonChange::Inserted(joint) => {
+                if let Some(channels) = self.channels.get(joint).cloned() {
+                    self.channels.insert(joint, channels);
+                }
+                for bone in &mut self.humanoid {
+                    bone.joint += usize::from(bone.joint >= joint);
+                }
+            }
+            SkeletonChange::Removed(joint) => {
+                if joint < self.channels.len() {
+                    self.channels.remove(joint);
+                }
+                self.humanoid.retain(|bone| bone.joint != joint);
+                for bone in &mut self.humanoid {
+                    bone.joint -= usize::from(bone.joint > joint);
+                }
+            }
+        }
+    }
 }
 
 /// How a property of a file is known.

@@ -21,6 +21,7 @@
 //! # Ok::<(), inkrig_motion::MotionError>(())
 //! ```
 
+pub mod capsules;
 pub mod channels;
 mod clip;
 pub mod cycle;

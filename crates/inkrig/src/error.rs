@@ -12,6 +12,7 @@ use inkrig_motion::MotionError;
 use inkrig_motion::retarget::RetargetError;
 use inkrig_sketch::SketchError;
 use inkrig_sound::SoundError;
+use inkrig_studio::StudioError;
 use inkrig_train::TrainError;
 use miette::Diagnostic;
 use std::path::PathBuf;
@@ -75,6 +76,12 @@ pub enum CliError {
         seconds: f64,
         /// The clip's length, frames.
         frames: usize,
+    },
+    /// The studio cannot be opened.
+    #[error("{}", printable::text(cause))]
+    Studio {
+        /// Why.
+        cause: Box<StudioError>,
     },
     /// A corpus that cannot be built.
     #[error("{}", printable::text(.0))]

@@ -118,7 +118,12 @@ impl OverGround {
                 done.clip
             }
         };
-        let skeleton = follow_change(change, source);
+        source.follow(change);
+        let skeleton = match change {
+            SkeletonChange::Kept(_) => "kept",
+            SkeletonChange::Inserted(_) => "a joint more",
+            SkeletonChange::Removed(_) => "a joint less",
+        };
         let joint = match change {
             SkeletonChange::Inserted(joint) | SkeletonChange::Kept(Some(joint))
                 if self.mode == RootMode::Bone =>
@@ -212,33 +217,6 @@ impl From<Slide> for SlideRecord {
     fn from(slide: Slide) -> Self {
         let Slide { contacts, mean_step_mm, p95_step_mm, mean_drift_mm, max_drift_mm } = slide;
         Self { contacts, mean_step_mm, p95_step_mm, mean_drift_mm, max_drift_mm }
-    }
-}
-
-/// Makes room for what is known of a joint that came, or takes that of one that went. A new bone is written as the joint
-/// below it.
-fn follow_change(change: SkeletonChange, source: &mut SourceInfo) -> &'static str {
-    match change {
-        SkeletonChange::Kept(_) => "kept",
-        SkeletonChange::Inserted(joint) => {
-            if let Some(channels) = source.channels.get(joint).cloned() {
-                source.channels.insert(joint, channels);
-            }
-            for bone in &mut source.humanoid {
-                bone.joint += usize::from(bone.joint >= joint);
-            }
-            "a joint more"
-        }
-        SkeletonChange::Removed(joint) => {
-            if joint < source.channels.len() {
-                source.channels.remove(joint);
-            }
-            source.humanoid.retain(|bone| bone.joint != joint);
-            for bone in &mut source.humanoid {
-                bone.joint -= usize::from(bone.joint > joint);
-            }
-            "a joint less"
-        }
     }
 }
 

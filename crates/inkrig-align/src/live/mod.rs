@@ -18,6 +18,7 @@ use crate::polish::polish;
 use crate::prepared_clip::PreparedClip;
 use crate::pyramid::resample_frames;
 use crate::reconstruct::{Ends, PoseBlend, Rules, SparseRow, kept};
+use crate::suggest::{Moment, places};
 use crate::{AlignError, Control, Options, Progress, Solver, pca};
 use control_side::ControlSide;
 use finer::at_full_length;
@@ -145,6 +146,39 @@ impl LiveAlignment {
             &mut self.buffers,
             observer,
         )
+    }
+
+    /// Other options, where what was prepared stays good for them: weights, keys, mirror, seed and schedule may differ.
+    /// Says whether it did; a clip has to be prepared anew for others.
+    pub fn set_options(&mut self, options: &Options) -> bool {
+        let options = &Options { solver: Solver::Dense, ..options.clone() };
+        let same = |schedule: &Schedule, options: &Options| {
+            let prepared = Options {
+                levels: options.levels,
+                ratio: options.ratio,
+                patch_seconds: options.patch_seconds,
+                source_norm: options.source_norm,
+                control_norm: options.control_norm,
+                matching_rate: options.matching_rate,
+                features: options.features,
+                travel: options.travel,
+                threads: options.threads,
+                ..schedule.options.clone()
+            };
+            prepared == schedule.options
+        };
+        let preview = options.clone().preview_schedule();
+        let good = options.validate().is_ok() && same(&self.settled, options) && same(&self.schedule, &preview);
+        if good {
+            self.schedule.options = preview;
+            self.settled.options = options.clone();
+        }
+        good
+    }
+
+    /// For every column of an answer's weights the frame of the source, as it was given.
+    pub fn moments(&self) -> Vec<Moment> {
+        places(&self.clip.given, &self.clip.lead_ins, &self.clip.matched)
     }
 
     /// Lets the next update begin as the first one did.

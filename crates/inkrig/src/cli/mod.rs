@@ -12,6 +12,7 @@ mod redo;
 mod retarget;
 mod root;
 mod sidecar;
+mod studio;
 mod suggest;
 #[cfg(feature = "train")]
 mod train;
@@ -28,6 +29,7 @@ pub use redo::RedoArgs;
 pub use retarget::RetargetArgs;
 pub use root::{RootArgs, RootMode};
 pub use sidecar::SidecarArgs;
+pub use studio::StudioArgs;
 pub use suggest::SuggestArgs;
 #[cfg(feature = "train")]
 pub use train::{RunArgs, TrainArgs, TrainStage};
@@ -86,6 +88,9 @@ pub enum Command {
     /// Make a result again from the record beside it, byte for byte, or check it
     #[command(after_help = redo::EXAMPLES)]
     Redo(RedoArgs),
+    /// Draw in the browser while the character moves
+    #[command(after_help = studio::EXAMPLES)]
+    Studio(StudioArgs),
     /// Suggest poses of a clip for keyframes, and map it to draw on
     #[command(after_help = suggest::EXAMPLES)]
     Suggest(SuggestArgs),

@@ -19,6 +19,7 @@ mod record;
 mod redo;
 mod retarget;
 mod settings;
+mod studio;
 mod suggest;
 #[cfg(feature = "train")]
 mod train;
@@ -50,6 +51,7 @@ pub fn run(cli: Cli, matches: &ArgMatches) -> Result<(), CliError> {
         Command::Redo(args) => redo::run(&args, &console),
         Command::Inspect(args) => inspect::run(&args, &console),
         Command::Model(args) => model::run(&args, &console),
+        Command::Studio(args) => studio::run(&args, &console),
         Command::Suggest(args) => suggest::run(&args, &console),
         #[cfg(feature = "train")]
         Command::Train(args) => train::run(&args, &console),

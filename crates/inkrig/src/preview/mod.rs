@@ -1,12 +1,10 @@
 //! One self-contained page that shows a result: the drawn curve with a moving dot, the moving skeleton, and the
 //! plan that says which part of the source clip is used when. It needs no server and loads nothing.
 
-pub(crate) mod body;
 mod digest;
 mod encode;
 mod guide;
 mod payload;
-pub(crate) mod sides;
 pub(crate) mod track;
 
 pub use guide::{Guide, Part, Spot};

@@ -2,12 +2,12 @@
 
 use super::{
     ControlView, HeatMap, Preview,
-    body::{Body, Limb},
     encode::{base64, decimals, shorten},
     guide::GuideData,
     track::Track,
 };
 use inkrig_motion::Clip;
+use inkrig_motion::capsules::{Body, Limb, Side};
 use serde::Serialize;
 
 const MOST_JOINTS: usize = 512;
@@ -65,9 +65,31 @@ struct Character {
     names: Vec<String>,
     /// The joints that the camera keeps in the picture.
     framed: Vec<usize>,
-    limbs: Vec<Limb>,
+    limbs: Vec<LimbData>,
     pair: Option<[usize; 2]>,
     track: Track,
+}
+
+/// A limb with the names that the page knows.
+#[derive(Debug, Serialize)]
+struct LimbData {
+    from: usize,
+    to: usize,
+    from_radius: f32,
+    to_radius: f32,
+    side: &'static str,
+}
+
+impl LimbData {
+    fn of(limb: &Limb) -> Self {
+        let Limb { from, to, from_radius, to_radius, side } = *limb;
+        let side = match side {
+            Side::Left => "left",
+            Side::Right => "right",
+            Side::Middle => "middle",
+        };
+        Self { from, to, from_radius, to_radius, side }
+    }
 }
 
 impl Payload {
@@ -132,7 +154,7 @@ impl Character {
             framed,
             size: f64::from(body.size),
             names: body.joints.iter().map(|&joint| shorten(&joints[joint].name, 64)).collect(),
-            limbs: body.limbs,
+            limbs: body.limbs.iter().map(LimbData::of).collect(),
             pair: body.pair,
             track,
         }

@@ -1,10 +1,7 @@
 //! Where the joints of a clip are over time, small enough to be sent with a page.
 
-use super::{
-    body::Body,
-    encode::{base64, decimals},
-};
-use inkrig_motion::{Clip, glam::Vec3, kinematics::Pose};
+use super::encode::{base64, decimals};
+use inkrig_motion::{Clip, capsules::Body, glam::Vec3, kinematics::Pose};
 use serde::Serialize;
 
 /// Most coordinates that are sent of one clip: 4 MB of text.

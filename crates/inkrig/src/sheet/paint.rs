@@ -8,7 +8,8 @@ use super::{
     layout::Grid,
     view::{Scene, View},
 };
-use crate::preview::{body::Limb, normalised, sides::Side};
+use crate::preview::normalised;
+use inkrig_motion::capsules::{Limb, Side};
 use inkrig_motion::glam::{Vec2, Vec3};
 use tiny_skia::{
     FillRule, GradientStop, LineCap, LineJoin, LinearGradient, Paint, Path, PathBuilder, Pixmap, Point, Rect,

@@ -1,12 +1,10 @@
 //! The poses of a sheet as the camera sees them.
 
 use super::SheetOptions;
-use crate::preview::{
-    body::Body,
-    track::{ground, usable},
-};
+use crate::preview::track::{ground, usable};
 use inkrig_motion::{
     Clip,
+    capsules::Body,
     glam::{Quat, Vec2, Vec3},
     kinematics::Pose,
 };

@@ -1,42 +1,49 @@
-//! What is drawn of a character: which joints, limbs between them with a thickness, and which side they are on.
+//! What is drawn of a character where there is no skin: which joints, limbs between them with a thickness, and which side they are on.
 
-use super::sides::{Side, sides};
-use inkrig_motion::{Clip, Skeleton, glam::Vec3, rig};
-use serde::Serialize;
+mod sides;
+
+pub use sides::Side;
+
+use crate::{Clip, Skeleton, rig};
+use glam::Vec3;
+use sides::sides;
 
 /// A tapered capsule between two joints of a [`Body`]; a ball when both are the same.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct Limb {
-    pub(crate) from: usize,
-    pub(crate) to: usize,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limb {
+    /// Where it begins.
+    pub from: usize,
+    /// Where it ends.
+    pub to: usize,
     /// Radius at `from`, metres.
-    pub(crate) from_radius: f32,
+    pub from_radius: f32,
     /// Radius at `to`, metres.
-    pub(crate) to_radius: f32,
-    pub(crate) side: Side,
+    pub to_radius: f32,
+    /// Side of the body.
+    pub side: Side,
 }
 
 /// The drawn part of a skeleton.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Body {
+pub struct Body {
     /// Index in the skeleton of every drawn joint, rising.
-    pub(crate) joints: Vec<usize>,
+    pub joints: Vec<usize>,
     /// For every drawn joint whether it hangs on the root that the character travels with; props do not.
-    pub(crate) own: Vec<bool>,
+    pub own: Vec<bool>,
     /// Between places in `joints`.
-    pub(crate) limbs: Vec<Limb>,
+    pub limbs: Vec<Limb>,
     /// A left and a right joint that hang on one parent (hips or shoulders): what tells where the body faces.
-    pub(crate) pair: Option<[usize; 2]>,
+    pub pair: Option<[usize; 2]>,
     /// The character's size in metres, above 0.
-    pub(crate) size: f32,
+    pub size: f32,
     /// The joint of the skeleton that the camera follows.
-    pub(crate) travel_joint: usize,
+    pub travel_joint: usize,
 }
 
 impl Body {
     /// Limbs for the character of `clip`. Of a skeleton with more than `most` joints those are drawn that carry
     /// the longest chains; never those that only steer others.
-    pub(crate) fn of(clip: &Clip, most: usize) -> Self {
+    pub fn of(clip: &Clip, most: usize) -> Self {
         let skeleton = clip.skeleton();
         let controls = rig::controls(skeleton);
         let weights = weights(skeleton, &controls);
@@ -55,7 +62,7 @@ impl Body {
 
     /// The horizontal direction that the body faces, unit length, given the places of the drawn joints. `None`
     /// when names tell no sides or the body lies on its side.
-    pub(crate) fn facing(&self, positions: &[Vec3]) -> Option<Vec3> {
+    pub fn facing(&self, positions: &[Vec3]) -> Option<Vec3> {
         let [left, right] = self.pair?;
         let lateral = *positions.get(left)? - *positions.get(right)?;
         let forward = lateral.normalize_or_zero().cross(Vec3::Y);
@@ -193,7 +200,7 @@ fn carriers(skeleton: &Skeleton, controls: &[bool], travel_joint: usize) -> Vec<
 fn size(clip: &Clip, controls: &[bool]) -> f32 {
     let usable = |size: f32| (size.is_normal() && size > 0.0).then_some(size.clamp(1e-6, 1e9));
     let posed = || {
-        let mut pose = inkrig_motion::kinematics::Pose::new(clip.skeleton());
+        let mut pose = crate::kinematics::Pose::new(clip.skeleton());
         pose.set(clip, 0);
         let own = pose.positions.iter().zip(controls).filter(|(_, control)| !**control);
         let (low, high) =
@@ -207,7 +214,8 @@ fn size(clip: &Clip, controls: &[bool]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use inkrig_motion::{Joint, glam::Quat};
+    use crate::Joint;
+    use glam::Quat;
     use std::sync::Arc;
 
     fn clip_of(joints: Vec<Joint>) -> Clip {

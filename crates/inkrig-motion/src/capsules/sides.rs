@@ -1,15 +1,16 @@
 //! Left and right, read from the names of joints.
 
-use inkrig_motion::Skeleton;
-use serde::Serialize;
+use crate::Skeleton;
 use std::collections::HashSet;
 
 /// Side of the body that a limb belongs to, as far as joint names tell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Side {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// The character's left.
     Left,
+    /// Its right.
     Right,
+    /// Neither, or not known.
     Middle,
 }
 
@@ -74,7 +75,8 @@ fn words(name: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use inkrig_motion::{Joint, glam::Vec3};
+    use crate::Joint;
+    use glam::Vec3;
 
     #[test]
     fn names_tell_sides() {

@@ -1,0 +1,418 @@
+//! The studio itself, without the web: one project, what is loaded, the thread that solves, and who is told.
+
+use crate::StudioError;
+use crate::document::{
+    Beside, ClipEntry, ClipRole, Command, Control, CurveTiming, Document, PenPoint, SoundEntry, Up,
+};
+use crate::engine::drawings;
+use crate::engine::media::{self, Media};
+use crate::engine::solver::{Live, Solver};
+use crate::events::{Event, Events, JobState};
+use crate::project::{HistoryState, Kind, Project, StrokeJournal};
+use crate::strokes::StrokeMode;
+use inkrig_formats::{Import, Severity};
+use serde::{Deserialize, Serialize};
+use std::collections::{HashMap, VecDeque};
+use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+use utoipa::ToSchema;
+
+/// Companion files that wait for the file that they belong to.
+const MOST_UPLOADS: usize = 8;
+
+/// The studio. Everything that returns is on the disk.
+#[derive(Debug)]
+pub struct Studio {
+    project: Mutex<Project>,
+    stroke: Mutex<Option<Stroke>>,
+    uploads: Mutex<Uploads>,
+    /// Clips and sounds.
+    pub media: Arc<Media>,
+    /// The thread that solves.
+    pub solver: Solver,
+    /// Who is told.
+    pub events: Events,
+}
+
+/// A stroke that goes on.
+#[derive(Debug)]
+struct Stroke {
+    /// Whose it is.
+    client: u64,
+    number: u32,
+    messages: u32,
+    journal: StrokeJournal,
+    base: Arc<Document>,
+    revision: u32,
+}
+
+#[derive(Debug, Default)]
+struct Uploads {
+    next: u64,
+    kept: VecDeque<(String, String, Vec<u8>)>,
+}
+
+/// A project as the page loads it.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct ProjectState {
+    /// Rises with every change.
+    pub revision: u32,
+    /// Everything that can be undone.
+    pub document: Document,
+    /// What can be undone and redone.
+    pub history: HistoryState,
+    /// The newest result, if it is of this revision or an earlier one.
+    pub result: Option<String>,
+    /// The job that runs.
+    pub job: Option<JobState>,
+}
+
+/// What a change came to.
+#[derive(Debug, Clone, Serialize, ToSchema)]
+pub struct Applied {
+    /// The new revision.
+    pub revision: u32,
+    /// What can be undone and redone.
+    pub history: HistoryState,
+}
+
+/// How an upload is read.
+#[derive(Debug, Clone, Default, Deserialize, ToSchema, utoipa::IntoParams)]
+#[serde(rename_all = "camelCase", default)]
+#[into_params(parameter_in = Query)]
+pub struct UploadOptions {
+    /// The file's name; its ending says what it is.
+    pub name: String,
+    /// Which clip of a file that has several, by name or number from 1.
+    pub take: Option<String>,
+    /// Metres in one unit of the file.
+    pub unit: Option<f64>,
+    /// The axis that points up in the file.
+    pub up: Option<Up>,
+    /// Frames a second of the file.
+    pub source_fps: Option<f64>,
+    /// Ids of companion files, with commas between.
+    pub beside: Option<String>,
+}
+
+impl Studio {
+    /// Opens a project.
+    ///
+    /// # Errors
+    /// When its folder cannot be used.
+    pub fn open(folder: &Path, threads: usize) -> Result<Arc<Self>, StudioError> {
+        let project = Project::open(folder)?;
+        let (media, events) = (Arc::new(Media::default()), Events::default());
+        let solver = Solver::start(project.folder().clone(), media.clone(), events.clone(), threads)?;
+        let studio = Self {
+            project: Mutex::new(project),
+            stroke: Mutex::default(),
+            uploads: Mutex::default(),
+            media,
+            solver,
+            events,
+        };
+        let (document, revision) = studio.now();
+        studio.solve(document, revision);
+        Ok(Arc::new(studio))
+    }
+
+    /// The project; held for a moment only.
+    pub fn project(&self) -> MutexGuard<'_, Project> {
+        lock(&self.project)
+    }
+
+    /// The document as it is, and its revision.
+    pub fn now(&self) -> (Arc<Document>, u32) {
+        let project = self.project();
+        (Arc::new(project.document().clone()), project.revision())
+    }
+
+    /// Everything that the page needs to begin.
+    pub fn state(&self) -> ProjectState {
+        let result = self.solver.results().newest();
+        let job = self.solver.current_job();
+        let project = self.project();
+        ProjectState {
+            revision: project.revision(),
+            document: project.document().clone(),
+            history: project.history(),
+            result,
+            job,
+        }
+    }
+
+    /// Changes the document as one step.
+    ///
+    /// # Errors
+    /// When a command refers to what is not there; when the folder cannot be written to.
+    pub fn commands(&self, label: &str, gesture: Option<&str>, commands: Vec<Command>) -> Result<Applied, StudioError> {
+        self.change(label, gesture, |document| commands.into_iter().try_for_each(|command| document.apply(command)))
+    }
+
+    /// As [`commands`](Self::commands), by code.
+    ///
+    /// # Errors
+    /// What `change` says; when the folder cannot be written to.
+    pub fn change(
+        &self,
+        label: &str,
+        gesture: Option<&str>,
+        change: impl FnOnce(&mut Document) -> Result<(), StudioError>,
+    ) -> Result<Applied, StudioError> {
+        let mut project = self.project();
+        let before = project.revision();
+        project.change(label, gesture, change)?;
+        let changed = project.revision() != before;
+        Ok(self.tell(project, changed))
+    }
+
+    /// Takes the last step back, or takes it again.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn step(&self, back: bool) -> Result<(), StudioError> {
+        let mut project = self.project();
+        if back { project.undo() } else { project.redo() }?;
+        self.tell(project, true);
+        Ok(())
+    }
+
+    fn tell(&self, project: MutexGuard<'_, Project>, changed: bool) -> Applied {
+        let applied = Applied { revision: project.revision(), history: project.history() };
+        if changed {
+            let document = Arc::new(project.document().clone());
+            drop(project);
+            self.media.keep(&document);
+            let Applied { revision, history } = applied.clone();
+            self.events.send(Event::Project { revision, history });
+            self.solve(document, revision);
+        }
+        applied
+    }
+
+    fn solve(&self, document: Arc<Document>, revision: u32) {
+        if document.control.is_some() && !document.source.clips.is_empty() {
+            self.solver.show(Live { document: document.clone(), revision, stroke: (0, 0), arrived: Instant::now() });
+            self.solver.settle(document, revision);
+        }
+    }
+
+    /// Keeps a companion file until the file comes that it belongs to.
+    pub fn keep_upload(&self, name: &str, bytes: Vec<u8>) -> String {
+        let mut uploads = lock(&self.uploads);
+        uploads.next += 1;
+        let id = format!("u{}", uploads.next);
+        uploads.kept.push_back((id.clone(), name.to_string(), bytes));
+        while uploads.kept.len() > MOST_UPLOADS {
+            uploads.kept.pop_front();
+        }
+        id
+    }
+
+    /// Adds a motion; the first one is arranged. Returns it as it was read.
+    ///
+    /// # Errors
+    /// When the file is not understood.
+    pub fn add_clip(&self, bytes: &[u8], options: &UploadOptions) -> Result<(ClipEntry, Arc<Import>, Applied), StudioError> {
+        let mut beside = HashMap::new();
+        for id in options.beside.iter().flat_map(|ids| ids.split(',')).filter(|id| !id.is_empty()) {
+            let uploads = lock(&self.uploads);
+            let kept = uploads.kept.iter().find(|kept| kept.0 == id);
+            let (_, name, bytes) = kept.ok_or_else(|| StudioError::unknown("upload", id))?;
+            beside.insert(name.rsplit(['/', '\\']).next().unwrap_or(name).to_string(), bytes.clone());
+        }
+        let stem = Path::new(&options.name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        let name = match &options.take {
+            Some(take) if take.parse::<usize>().is_err() => take.clone(),
+            _ => stem.unwrap_or_default(),
+        };
+        let mut entry = ClipEntry {
+            id: String::new(),
+            name: name.chars().take(200).collect(),
+            file: options.name.clone(),
+            take: options.take.clone(),
+            role: ClipRole::Motion,
+            unit: options.unit,
+            up: options.up,
+            source_fps: options.source_fps,
+            beside: Vec::new(),
+        };
+        let import = Arc::new(media::read(&entry, bytes, &beside)?);
+        let mut project = self.project();
+        let folder = project.folder().clone();
+        entry.id = project.new_id('c')?;
+        entry.file = folder.keep(Kind::Clip, &entry.id, &options.name, bytes)?;
+        for (name, bytes) in beside {
+            let file = folder.keep(Kind::Clip, &entry.id, &name, &bytes)?;
+            entry.beside.push(Beside { name, file });
+        }
+        entry.beside.sort_by(|a, b| a.name.cmp(&b.name));
+        self.media.put(&entry, import.clone());
+        let label = format!("Add {}", entry.name);
+        project.change(&label, None, |document| {
+            document.clips.push(entry.clone());
+            if document.source.clips.is_empty() {
+                document.source.clips.push(entry.id.clone());
+            }
+            Ok(())
+        })?;
+        let applied = self.tell(project, true);
+        Ok((entry, import, applied))
+    }
+
+    /// Adds a sound.
+    ///
+    /// # Errors
+    /// When the file is not understood.
+    pub fn add_sound(&self, name: &str, bytes: &[u8]) -> Result<(SoundEntry, Applied), StudioError> {
+        // Before anything is kept.
+        inkrig_sound::decode(bytes, &media::extension(name))?;
+        let mut project = self.project();
+        let id = project.new_id('s')?;
+        let file = project.folder().keep(Kind::Sound, &id, name, bytes)?;
+        let stem = Path::new(name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        let entry = SoundEntry { id, name: stem.unwrap_or_default().chars().take(200).collect(), file };
+        let label = format!("Add {}", entry.name);
+        let kept = entry.clone();
+        project.change(&label, None, |document| {
+            document.sounds.push(kept);
+            Ok(())
+        })?;
+        let applied = self.tell(project, true);
+        Ok((entry, applied))
+    }
+
+    /// Adds a motion, a sound, or a drawing, which is followed then. Returns what is odd in it.
+    ///
+    /// # Errors
+    /// When its name says no known kind, or it is not understood.
+    pub fn add_file(&self, name: &str, bytes: &[u8]) -> Result<Vec<String>, StudioError> {
+        match media::extension(name).as_str() {
+            "svg" | "csv" => {
+                let (control, note) = drawings::read(bytes, name, drawings::As::Curve)?;
+                let control = Some(control);
+                self.commands(&format!("Follow {name}"), None, vec![Command::SetControl { control }])?;
+                Ok(note.into_iter().collect())
+            }
+            "wav" | "mp3" | "ogg" | "flac" => self.add_sound(name, bytes).map(|_| Vec::new()),
+            _ => {
+                let options = UploadOptions { name: name.into(), ..UploadOptions::default() };
+                let (_, import, _) = self.add_clip(bytes, &options)?;
+                let warnings = import.findings.iter().filter(|finding| finding.severity == Severity::Warning);
+                Ok(warnings.map(|finding| finding.message.clone()).collect())
+            }
+        }
+    }
+
+    /// The pen is set down. A stroke of the same client that was never lifted is finished first.
+    ///
+    /// # Errors
+    /// When another client draws; when the folder cannot be written to.
+    pub fn begin_stroke(
+        &self,
+        client: u64,
+        number: u32,
+        mode: StrokeMode,
+        timing: Option<CurveTiming>,
+    ) -> Result<(), StudioError> {
+        if lock(&self.stroke).as_ref().is_some_and(|stroke| stroke.client == client) {
+            self.end_stroke(client, None)?;
+        }
+        let mut stroke = lock(&self.stroke);
+        if stroke.is_some() {
+            return Err(StudioError::invalid("another window draws: lift its pen first"));
+        }
+        let (base, revision) = self.now();
+        let folder = self.project().folder().clone();
+        let journal = StrokeJournal::begin(&folder, mode, timing)?;
+        *stroke = Some(Stroke { client, number, messages: 0, journal, base, revision });
+        Ok(())
+    }
+
+    /// More ink. Returns what the document follows with it.
+    ///
+    /// # Errors
+    /// When there is no such stroke, it is too long, or cannot be written.
+    pub fn push_points(&self, client: u64, number: u32, points: &[PenPoint], arrived: Instant) -> Result<Option<Control>, StudioError> {
+        let mut stroke = lock(&self.stroke);
+        let stroke = own(&mut stroke, client, number)?;
+        let good = |point: &PenPoint| {
+            let small = |value: f64| value.is_finite() && value.abs() <= 1e6;
+            small(point.0) && small(point.1) && point.2.is_none_or(small) && point.3.is_none_or(|p| (0.0..=100.0).contains(&p))
+        };
+        if !points.iter().all(good) {
+            return Err(StudioError::invalid("a point of the drawing is beyond a million units"));
+        }
+        stroke.journal.push(points)?;
+        stroke.messages += 1;
+        let Some(control) = stroke.journal.control(&stroke.base)? else { return Ok(None) };
+        if !stroke.base.source.clips.is_empty() {
+            let document = Document { control: Some(control.clone()), ..Document::clone(&stroke.base) };
+            let live = Live {
+                document: Arc::new(document),
+                revision: stroke.revision,
+                stroke: (stroke.number, stroke.messages),
+                arrived,
+            };
+            self.solver.show(live);
+        }
+        Ok(Some(control))
+    }
+
+    /// The pen is lifted: the stroke of that number, or whichever the client draws, is one step. `None` where there is none.
+    ///
+    /// # Errors
+    /// When the folder cannot be written to; the stroke then stays on the disk.
+    pub fn end_stroke(&self, client: u64, number: Option<u32>) -> Result<Option<(u32, Applied, Option<Control>)>, StudioError> {
+        let mut slot = lock(&self.stroke);
+        let own = |stroke: &Stroke| stroke.client == client && number.is_none_or(|number| stroke.number == number);
+        if !slot.as_ref().is_some_and(own) {
+            return Ok(None);
+        }
+        let Some(stroke) = slot.take() else { return Ok(None) };
+        let label = match stroke.journal.mode() {
+            StrokeMode::Draw | StrokeMode::Add => "Draw",
+            StrokeMode::Redraw => "Redraw",
+            StrokeMode::Wave => "Draw a wave",
+        };
+        let number = stroke.number;
+        let applied = self.change(label, None, |document| {
+            // What was changed elsewhere in the meantime stays.
+            if let Some(control) = stroke.journal.control(&stroke.base)? {
+                document.control = Some(control);
+            }
+            Ok(())
+        })?;
+        let control = self.project().document().control.clone();
+        stroke.journal.remove()?;
+        Ok(Some((number, applied, control)))
+    }
+
+    /// As if nothing had happened.
+    ///
+    /// # Errors
+    /// When the file of the stroke cannot be removed.
+    pub fn cancel_stroke(&self, client: u64, number: u32) -> Result<(), StudioError> {
+        let mut slot = lock(&self.stroke);
+        if slot.as_ref().is_some_and(|stroke| stroke.client == client && stroke.number == number)
+            && let Some(stroke) = slot.take()
+        {
+            stroke.journal.remove()?;
+            drop(slot);
+            let (document, revision) = self.now();
+            self.solve(document, revision);
+        }
+        Ok(())
+    }
+}
+
+fn own(stroke: &mut Option<Stroke>, client: u64, number: u32) -> Result<&mut Stroke, StudioError> {
+    let stroke = stroke.as_mut().filter(|stroke| stroke.client == client && stroke.number == number);
+    stroke.ok_or_else(|| StudioError::invalid(format!("stroke {number} was not begun, or is over")))
+}
+
+fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
