@@ -1,4 +1,5 @@
 //! Takes in the page that `cargo xtask web` has built, packed; a build without it has none. Never calls npm.
+#![allow(clippy::print_stdout, reason = "this is how a build script speaks to cargo")]
 
 use flate2::{Compression, write::GzEncoder};
 use std::fmt::Write as _;

@@ -26,6 +26,9 @@ pub(crate) fn build(context: &Context) -> Result<PathBuf> {
         fs::write(&done, lock)?;
     }
     process::run(Command::new(&npm).args(["run", "build"]).current_dir(&web))?;
+    // A program that was built without the page looks for it again when its build script has changed.
+    let script = context.root.join("crates/inkrig-studio/build.rs");
+    fs::File::options().append(true).open(script)?.set_modified(std::time::SystemTime::now())?;
     Ok(web)
 }
 

@@ -15,5 +15,5 @@ mod studio;
 
 pub use api::openapi;
 pub use error::StudioError;
-pub use server::{ServeOptions, Server};
+pub use server::{Invitation, ServeOptions, Server};
 pub use studio::{Applied, ProjectState, Studio, UploadOptions};

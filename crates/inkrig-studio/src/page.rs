@@ -18,8 +18,7 @@ static PAGE: &[Asset] = include!(concat!(env!("OUT_DIR"), "/page.rs"));
 const MOST_ASSET: usize = 64 << 20;
 
 /// What a program without a page says.
-const WITHOUT: &str =
-    "This inkrig was built without its studio's page: build it with `cargo xtask studio`, which needs Node and npm.\n";
+const WITHOUT: &str = "This inkrig was built without its studio's page: build it with `cargo xtask studio`, which needs Node and npm.\n";
 
 /// Whether the program has its page.
 pub(crate) fn is_there() -> bool {
@@ -41,7 +40,11 @@ pub(crate) async fn page(State(app): State<Arc<App>>, request: Request) -> Respo
         name => name,
     };
     let packs = request.headers().get_all(ACCEPT_ENCODING).iter().any(|value| {
-        value.to_str().unwrap_or_default().split(',').any(|kind| kind.split(';').next().map(str::trim) == Some("gzip"))
+        value
+            .to_str()
+            .unwrap_or_default()
+            .split(',')
+            .any(|kind| kind.split(';').next().map(str::trim) == Some("gzip"))
     });
     let found = match &app.page {
         Some(folder) => {
@@ -62,7 +65,11 @@ pub(crate) async fn page(State(app): State<Arc<App>>, request: Request) -> Respo
     headers.insert(CONTENT_TYPE, HeaderValue::from_static(kind(name)));
     headers.insert(VARY, HeaderValue::from_static("accept-encoding"));
     // Names of assets change with what is in them.
-    let keep = if name.starts_with("assets/") && app.page.is_none() { "public, max-age=31536000, immutable" } else { "no-cache" };
+    let keep = if name.starts_with("assets/") && app.page.is_none() {
+        "public, max-age=31536000, immutable"
+    } else {
+        "no-cache"
+    };
     headers.insert(CACHE_CONTROL, HeaderValue::from_static(keep));
     if packed {
         headers.insert(CONTENT_ENCODING, HeaderValue::from_static("gzip"));

@@ -40,8 +40,8 @@ pub fn with_stroke(
     match mode {
         StrokeMode::Add => {
             let begin = strokes.last().and_then(|stroke| stroke.last()).and_then(|point| point.2);
-            // The pen is up for a moment.
-            let begin = begin.map_or(0.0, |seconds| seconds + UP_SECONDS);
+            // The time while the pen is up counts for nothing.
+            let begin = begin.unwrap_or(0.0);
             strokes.push(points.iter().map(|&(x, y, t, p)| (x, y, t.map(|t| t + begin), p)).collect());
         }
         StrokeMode::Redraw if !strokes.is_empty() => strokes = redrawn(&strokes, points),
@@ -49,9 +49,6 @@ pub fn with_stroke(
     }
     Ok(Control::Curve { strokes, timing, smooth })
 }
-
-/// Between two strokes.
-const UP_SECONDS: f64 = 0.2;
 
 /// A stroke over a drawing: of the drawn stroke that it is nearest to, what lies between the points nearest to its ends is
 /// replaced. Over-drawn against the drawing's direction, it is turned around. Where it takes less or more time, what follows
@@ -67,11 +64,8 @@ fn redrawn(strokes: &[Vec<PenPoint>], points: &[PenPoint]) -> Vec<Vec<PenPoint>>
     let Some(chosen) = chosen else { return strokes.to_vec() };
     let stroke = &strokes[chosen];
     let (begin, end) = (nearest(first, stroke).0, nearest(last, stroke).0);
-    let (begin, end, drawn) = if begin <= end {
-        (begin, end, points.to_vec())
-    } else {
-        (end, begin, turned(points))
-    };
+    let (begin, end, drawn) =
+        if begin <= end { (begin, end, points.to_vec()) } else { (end, begin, turned(points)) };
     let old = stroke.get(begin..=end).unwrap_or_default();
     let span = |of: &[PenPoint]| Some(of.last()?.2? - of.first()?.2?);
     let start = old.first().and_then(|point| point.2);
@@ -112,7 +106,10 @@ mod tests {
     use super::*;
 
     fn line(from: f64, to: f64, y: f64, seconds: f64) -> Vec<PenPoint> {
-        (0..=10).map(|i| f64::from(i) / 10.0).map(|s| (from + s * (to - from), y, Some(s * seconds), Some(0.5))).collect()
+        (0..=10)
+            .map(|i| f64::from(i) / 10.0)
+            .map(|s| (from + s * (to - from), y, Some(s * seconds), Some(0.5)))
+            .collect()
     }
 
     fn strokes(control: &Control) -> &[Vec<PenPoint>] {
@@ -123,7 +120,8 @@ mod tests {
     #[test]
     fn a_redrawn_stretch_takes_its_own_time_and_the_rest_follows() {
         let control = with_stroke(None, &line(0.0, 10.0, 0.0, 2.0), StrokeMode::Draw, None).unwrap();
-        let control = with_stroke(Some(&control), &line(3.0, 6.0, 1.0, 1.0), StrokeMode::Redraw, None).unwrap();
+        let control =
+            with_stroke(Some(&control), &line(3.0, 6.0, 1.0, 1.0), StrokeMode::Redraw, None).unwrap();
         let [stroke] = strokes(&control) else { panic!("one stroke") };
         assert_eq!(stroke.len(), 3 + 11 + 4);
         assert!(stroke.windows(2).all(|pair| pair[1].2 > pair[0].2), "{stroke:?}");
@@ -135,7 +133,8 @@ mod tests {
     #[test]
     fn over_drawing_backwards_keeps_the_direction() {
         let control = with_stroke(None, &line(0.0, 10.0, 0.0, 2.0), StrokeMode::Draw, None).unwrap();
-        let control = with_stroke(Some(&control), &line(6.0, 3.0, 1.0, 1.0), StrokeMode::Redraw, None).unwrap();
+        let control =
+            with_stroke(Some(&control), &line(6.0, 3.0, 1.0, 1.0), StrokeMode::Redraw, None).unwrap();
         let stroke = &strokes(&control)[0];
         assert!(stroke.windows(2).all(|pair| pair[1].0 > pair[0].0 && pair[1].2 > pair[0].2), "{stroke:?}");
     }
@@ -144,12 +143,13 @@ mod tests {
     fn strokes_share_a_clock() {
         let control = with_stroke(None, &line(0.0, 1.0, 0.0, 1.0), StrokeMode::Add, None).unwrap();
         let control = with_stroke(Some(&control), &line(1.0, 2.0, 0.0, 1.0), StrokeMode::Add, None).unwrap();
-        assert_eq!(strokes(&control)[1][0].2, Some(1.2));
+        assert_eq!(strokes(&control)[1][0].2, Some(1.0));
     }
 
     #[test]
     fn a_wave_is_drawn_over_where_the_pen_goes_back() {
-        let points: Vec<PenPoint> = [0.0, 1.0, 2.0, 3.0, 1.5, 2.5].map(|t| (t, 10.0 * t, None, None)).to_vec();
+        let points: Vec<PenPoint> =
+            [0.0, 1.0, 2.0, 3.0, 1.5, 2.5].map(|t| (t, 10.0 * t, None, None)).to_vec();
         assert_eq!(wave(&points), [[0.0, 0.0], [1.0, 10.0], [1.5, 15.0], [2.5, 25.0]]);
     }
 }

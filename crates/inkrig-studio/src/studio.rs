@@ -147,8 +147,15 @@ impl Studio {
     ///
     /// # Errors
     /// When a command refers to what is not there; when the folder cannot be written to.
-    pub fn commands(&self, label: &str, gesture: Option<&str>, commands: Vec<Command>) -> Result<Applied, StudioError> {
-        self.change(label, gesture, |document| commands.into_iter().try_for_each(|command| document.apply(command)))
+    pub fn commands(
+        &self,
+        label: &str,
+        gesture: Option<&str>,
+        commands: Vec<Command>,
+    ) -> Result<Applied, StudioError> {
+        self.change(label, gesture, |document| {
+            commands.into_iter().try_for_each(|command| document.apply(command))
+        })
     }
 
     /// As [`commands`](Self::commands), by code.
@@ -194,7 +201,12 @@ impl Studio {
 
     fn solve(&self, document: Arc<Document>, revision: u32) {
         if document.control.is_some() && !document.source.clips.is_empty() {
-            self.solver.show(Live { document: document.clone(), revision, stroke: (0, 0), arrived: Instant::now() });
+            self.solver.show(Live {
+                document: document.clone(),
+                revision,
+                stroke: (0, 0),
+                arrived: Instant::now(),
+            });
             self.solver.settle(document, revision);
         }
     }
@@ -215,7 +227,11 @@ impl Studio {
     ///
     /// # Errors
     /// When the file is not understood.
-    pub fn add_clip(&self, bytes: &[u8], options: &UploadOptions) -> Result<(ClipEntry, Arc<Import>, Applied), StudioError> {
+    pub fn add_clip(
+        &self,
+        bytes: &[u8],
+        options: &UploadOptions,
+    ) -> Result<(ClipEntry, Arc<Import>, Applied), StudioError> {
         let mut beside = HashMap::new();
         for id in options.beside.iter().flat_map(|ids| ids.split(',')).filter(|id| !id.is_empty()) {
             let uploads = lock(&self.uploads);
@@ -284,6 +300,24 @@ impl Studio {
         Ok((entry, applied))
     }
 
+    /// Of a project in which nothing was ever done: begins with a sample, as if it had always been there.
+    ///
+    /// # Errors
+    /// When the folder cannot be written to.
+    pub fn begin_with(&self, sample: &str) -> Result<(), StudioError> {
+        let sample = inkrig_samples::find(sample).ok_or_else(|| StudioError::unknown("sample", sample))?;
+        let history = self.project().history();
+        if history.undo.is_empty()
+            && history.redo.is_empty()
+            && self.project().document() == &Document::default()
+        {
+            let options = UploadOptions { name: sample.file_name.into(), ..UploadOptions::default() };
+            self.add_clip(sample.bytes, &options)?;
+            self.project().forget_history()?;
+        }
+        Ok(())
+    }
+
     /// Adds a motion, a sound, or a drawing, which is followed then. Returns what is odd in it.
     ///
     /// # Errors
@@ -335,12 +369,21 @@ impl Studio {
     ///
     /// # Errors
     /// When there is no such stroke, it is too long, or cannot be written.
-    pub fn push_points(&self, client: u64, number: u32, points: &[PenPoint], arrived: Instant) -> Result<Option<Control>, StudioError> {
+    pub fn push_points(
+        &self,
+        client: u64,
+        number: u32,
+        points: &[PenPoint],
+        arrived: Instant,
+    ) -> Result<Option<Control>, StudioError> {
         let mut stroke = lock(&self.stroke);
         let stroke = own(&mut stroke, client, number)?;
         let good = |point: &PenPoint| {
             let small = |value: f64| value.is_finite() && value.abs() <= 1e6;
-            small(point.0) && small(point.1) && point.2.is_none_or(small) && point.3.is_none_or(|p| (0.0..=100.0).contains(&p))
+            small(point.0)
+                && small(point.1)
+                && point.2.is_none_or(small)
+                && point.3.is_none_or(|p| (0.0..=100.0).contains(&p))
         };
         if !points.iter().all(good) {
             return Err(StudioError::invalid("a point of the drawing is beyond a million units"));
@@ -365,9 +408,14 @@ impl Studio {
     ///
     /// # Errors
     /// When the folder cannot be written to; the stroke then stays on the disk.
-    pub fn end_stroke(&self, client: u64, number: Option<u32>) -> Result<Option<(u32, Applied, Option<Control>)>, StudioError> {
+    pub fn end_stroke(
+        &self,
+        client: u64,
+        number: Option<u32>,
+    ) -> Result<Option<(u32, Applied, Option<Control>)>, StudioError> {
         let mut slot = lock(&self.stroke);
-        let own = |stroke: &Stroke| stroke.client == client && number.is_none_or(|number| stroke.number == number);
+        let own =
+            |stroke: &Stroke| stroke.client == client && number.is_none_or(|number| stroke.number == number);
         if !slot.as_ref().is_some_and(own) {
             return Ok(None);
         }

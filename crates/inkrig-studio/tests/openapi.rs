@@ -1,4 +1,11 @@
 //! The description of the interface that the page's types are made of is that of the code.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::needless_pass_by_value,
+    reason = "a test may panic, and prints"
+)]
 
 use std::path::Path;
 

@@ -31,6 +31,8 @@ mod redo;
 mod retarget;
 #[path = "cli/stop.rs"]
 mod stop;
+#[path = "cli/studio.rs"]
+mod studio;
 #[path = "cli/words.rs"]
 mod words;
 #[path = "cli/wrong_controls.rs"]

@@ -168,7 +168,8 @@ impl LiveAlignment {
             prepared == schedule.options
         };
         let preview = options.clone().preview_schedule();
-        let good = options.validate().is_ok() && same(&self.settled, options) && same(&self.schedule, &preview);
+        let good =
+            options.validate().is_ok() && same(&self.settled, options) && same(&self.schedule, &preview);
         if good {
             self.schedule.options = preview;
             self.settled.options = options.clone();

@@ -63,10 +63,19 @@ pub(crate) struct ClipInfo {
 pub(crate) struct ClipDetail {
     #[serde(flatten)]
     info: ClipInfo,
-    skeleton: SkeletonInfo,
+    #[serde(flatten)]
+    figure: Figure,
     findings: Vec<FindingInfo>,
     /// Frames at the beginning that are a calibration pose, and are not used.
     rest_pose_frames: usize,
+}
+
+/// A character and how it is drawn.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Figure {
+    skeleton: SkeletonInfo,
+    /// Capsules that it is drawn as.
+    limbs: Vec<LimbInfo>,
 }
 
 /// A character.
@@ -79,8 +88,6 @@ pub(crate) struct SkeletonInfo {
     travel_joint: usize,
     /// Size of the character, metres.
     height: f32,
-    /// Capsules that it is drawn as.
-    limbs: Vec<LimbInfo>,
 }
 
 /// A joint at rest, where nothing is turned.
@@ -188,7 +195,13 @@ pub(crate) async fn sample(
             let project = app.studio.project();
             let (revision, history) = (project.revision(), project.history());
             let warnings = note.into_iter().collect();
-            return Ok(Json(Added { clips: Vec::new(), revision, history, warnings, control: Some(control) }));
+            return Ok(Json(Added {
+                clips: Vec::new(),
+                revision,
+                history,
+                warnings,
+                control: Some(control),
+            }));
         }
         let options = UploadOptions { name: sample.file_name.into(), ..UploadOptions::default() };
         added(app.studio.add_clip(sample.bytes, &options)?)
@@ -206,15 +219,19 @@ pub(crate) async fn detail(
         let (entry, import) = find(&app, &id)?;
         Ok(Json(ClipDetail {
             info: info(&entry, &import),
-            skeleton: skeleton(&import.clip),
-            findings: import.findings.iter().map(|finding| FindingInfo {
-                code: finding.code,
-                severity: match finding.severity {
-                    Severity::Info => SeverityName::Info,
-                    Severity::Warning => SeverityName::Warning,
-                },
-                message: finding.message.clone(),
-            }).collect(),
+            figure: figure(&import.clip),
+            findings: import
+                .findings
+                .iter()
+                .map(|finding| FindingInfo {
+                    code: finding.code,
+                    severity: match finding.severity {
+                        Severity::Info => SeverityName::Info,
+                        Severity::Warning => SeverityName::Warning,
+                    },
+                    message: finding.message.clone(),
+                })
+                .collect(),
             rest_pose_frames: lead_in::rest_pose_frames(&import.clip),
         }))
     })
@@ -223,7 +240,10 @@ pub(crate) async fn detail(
 
 /// The poses of a clip, as the description of poses says.
 #[utoipa::path(get, path = "/api/clips/{id}/poses", params(("id" = String, Path)), responses((status = 200, content_type = "application/octet-stream", body = inline(Vec<u8>)), (status = "4XX", body = ErrorBody)))]
-pub(crate) async fn poses(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<impl IntoResponse, ApiError> {
+pub(crate) async fn poses(
+    State(app): State<Arc<App>>,
+    Path(id): Path<String>,
+) -> Result<impl IntoResponse, ApiError> {
     let bytes = Blocking::run(move || {
         let (_, import) = find(&app, &id)?;
         Ok(encode(&import.clip, &PoseHead::of(PoseKind::Clip, 0, false), &[]))
@@ -233,7 +253,10 @@ pub(crate) async fn poses(State(app): State<Arc<App>>, Path(id): Path<String>) -
 
 /// The file as it was uploaded.
 #[utoipa::path(get, path = "/api/clips/{id}/file", params(("id" = String, Path)), responses((status = 200, content_type = "application/octet-stream", body = inline(Vec<u8>)), (status = "4XX", body = ErrorBody)))]
-pub(crate) async fn file(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<impl IntoResponse, ApiError> {
+pub(crate) async fn file(
+    State(app): State<Arc<App>>,
+    Path(id): Path<String>,
+) -> Result<impl IntoResponse, ApiError> {
     let bytes = Blocking::run(move || {
         let (document, _) = app.studio.now();
         let entry = document.clip(&id).ok_or_else(|| StudioError::unknown("clip", &id))?;
@@ -278,7 +301,7 @@ fn info(entry: &ClipEntry, import: &Import) -> ClipInfo {
 }
 
 /// A character as the page draws it.
-pub(super) fn skeleton(clip: &Clip) -> SkeletonInfo {
+pub(super) fn figure(clip: &Clip) -> Figure {
     const MOST: usize = 400;
     let hidden = rig::controls(clip.skeleton());
     let body = Capsules::of(clip, MOST);
@@ -301,5 +324,7 @@ pub(super) fn skeleton(clip: &Clip) -> SkeletonInfo {
         end_site: joint.end_site,
         hidden,
     });
-    SkeletonInfo { joints: joints.collect(), travel_joint: body.travel_joint, height: body.size, limbs: limbs.collect() }
+    let skeleton =
+        SkeletonInfo { joints: joints.collect(), travel_joint: body.travel_joint, height: body.size };
+    Figure { limbs: limbs.collect(), skeleton }
 }

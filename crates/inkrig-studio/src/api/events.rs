@@ -11,7 +11,9 @@ use std::time::Duration;
 use tokio::sync::broadcast::error::RecvError;
 
 /// Server-sent events: `project`, `job`, `result`, `problem`.
-pub(crate) async fn events(State(app): State<Arc<App>>) -> Sse<impl Stream<Item = Result<sse::Event, Infallible>>> {
+pub(crate) async fn events(
+    State(app): State<Arc<App>>,
+) -> Sse<impl Stream<Item = Result<sse::Event, Infallible>>> {
     let listening = app.studio.events.listen();
     let stream = stream::unfold(listening, |mut listening| async move {
         loop {

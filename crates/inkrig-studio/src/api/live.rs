@@ -45,9 +45,8 @@ pub(crate) enum FromPage {
     /// More ink.
     Points {
         stroke: u32,
-        /// Only what is new: `[x, y, t, p]`, t in seconds since the beginning of the stroke.
-        #[schema(value_type = Vec<Vec<Option<f64>>>)]
-        points: Vec<PenPoint>,
+        /// Only what is new: `[x, y, t, p]`, t in seconds since the beginning of the stroke; `[t, v]` of a wave.
+        points: Vec<Vec<Option<f64>>>,
     },
     /// The pen is lifted.
     End { stroke: u32 },
@@ -104,7 +103,12 @@ pub(crate) fn places() -> Arc<tokio::sync::Semaphore> {
     Arc::new(tokio::sync::Semaphore::new(MOST_CLIENTS))
 }
 
-async fn read(app: &Arc<App>, client: u64, mut stream: SplitStream<WebSocket>, texts: &mpsc::Sender<Message>) {
+async fn read(
+    app: &Arc<App>,
+    client: u64,
+    mut stream: SplitStream<WebSocket>,
+    texts: &mpsc::Sender<Message>,
+) {
     let mut drawn = Instant::now();
     let mut mode = StrokeMode::Draw;
     loop {
@@ -132,16 +136,18 @@ async fn read(app: &Arc<App>, client: u64, mut stream: SplitStream<WebSocket>, t
         };
         let said: Result<FromPage, _> = serde_json::from_str(&text);
         let answer = match said {
-            Err(error) => {
-                Some(ToPage::Problem { message: format!("the message was not understood: {error}"), hint: None })
-            }
+            Err(error) => Some(ToPage::Problem {
+                message: format!("the message was not understood: {error}"),
+                hint: None,
+            }),
             Ok(said) => {
                 if let FromPage::Begin { mode: begun, .. } = &said {
                     mode = *begun;
                 }
                 let redraws = mode == StrokeMode::Redraw && drawn.elapsed() >= DRAWING;
                 let studio = app.clone();
-                let done = tokio::task::spawn_blocking(move || act(&studio, client, said, arrived, redraws)).await;
+                let done =
+                    tokio::task::spawn_blocking(move || act(&studio, client, said, arrived, redraws)).await;
                 match done {
                     Ok(Ok(answer)) => {
                         if matches!(answer, Some(ToPage::Drawing { .. })) {
@@ -163,13 +169,22 @@ async fn read(app: &Arc<App>, client: u64, mut stream: SplitStream<WebSocket>, t
     }
 }
 
-fn act(app: &App, client: u64, said: FromPage, arrived: Instant, redraws: bool) -> Result<Option<ToPage>, StudioError> {
+fn act(
+    app: &App,
+    client: u64,
+    said: FromPage,
+    arrived: Instant,
+    redraws: bool,
+) -> Result<Option<ToPage>, StudioError> {
     match said {
         FromPage::Begin { stroke, mode, timing } => {
             app.studio.begin_stroke(client, stroke, mode, timing)?;
             Ok(None)
         }
         FromPage::Points { stroke, points } => {
+            let points: Option<Vec<PenPoint>> = points.iter().map(|point| pen_point(point)).collect();
+            let points =
+                points.ok_or_else(|| StudioError::invalid("a point is [x, y], [x, y, t] or [x, y, t, p]"))?;
             let control = app.studio.push_points(client, stroke, &points, arrived)?;
             Ok(control.filter(|_| redraws).map(|control| ToPage::Drawing { stroke, control }))
         }
@@ -186,6 +201,15 @@ fn act(app: &App, client: u64, said: FromPage, arrived: Instant, redraws: bool) 
             app.studio.cancel_stroke(client, stroke)?;
             Ok(None)
         }
+    }
+}
+
+fn pen_point(point: &[Option<f64>]) -> Option<PenPoint> {
+    match *point {
+        [Some(x), Some(y)] => Some((x, y, None, None)),
+        [Some(x), Some(y), t] => Some((x, y, t, None)),
+        [Some(x), Some(y), t, p] => Some((x, y, t, p)),
+        _ => None,
     }
 }
 

@@ -26,7 +26,8 @@ impl<T: DeserializeOwned, S: Send + Sync> FromRequest<S> for Json<T> {
     async fn from_request(request: Request, _: &S) -> Result<Self, ApiError> {
         let bytes = read_body(request.into_body(), MOST_JSON).await?;
         let bytes = if bytes.is_empty() { b"{}".to_vec() } else { bytes };
-        let bad = |error: serde_json::Error| ApiError::new(StatusCode::BAD_REQUEST, "bad_json", error.to_string());
+        let bad =
+            |error: serde_json::Error| ApiError::new(StatusCode::BAD_REQUEST, "bad_json", error.to_string());
         serde_json::from_slice(&bytes).map(Self).map_err(bad)
     }
 }
@@ -66,7 +67,8 @@ async fn read(mut body: Body, most: usize) -> Result<Vec<u8>, ApiError> {
     loop {
         let frame = tokio::time::timeout(PAUSE, body.frame()).await.map_err(|_| slow())?;
         let Some(frame) = frame else { return Ok(bytes) };
-        let broken = |error: axum::Error| ApiError::new(StatusCode::BAD_REQUEST, "broken_upload", error.to_string());
+        let broken =
+            |error: axum::Error| ApiError::new(StatusCode::BAD_REQUEST, "broken_upload", error.to_string());
         let Ok(data) = frame.map_err(broken)?.into_data() else { continue };
         if bytes.len() + data.len() > most {
             return Err(too_large());

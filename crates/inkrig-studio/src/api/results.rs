@@ -1,6 +1,6 @@
 //! Jobs, results, and what helps to understand them.
 
-use super::clips::{SkeletonInfo, skeleton as skeleton_of};
+use super::clips::{Figure, figure};
 use super::request::{Json as JsonBody, Query};
 use super::{ApiError, Blocking, ErrorBody};
 use crate::StudioError;
@@ -60,34 +60,49 @@ pub(crate) async fn begin_job(
 
 /// How far a job is.
 #[utoipa::path(get, path = "/api/jobs/{id}", params(("id" = String, Path)), responses((status = 200, body = JobState), (status = "4XX", body = ErrorBody)))]
-pub(crate) async fn job(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<Json<JobState>, ApiError> {
+pub(crate) async fn job(
+    State(app): State<Arc<App>>,
+    Path(id): Path<String>,
+) -> Result<Json<JobState>, ApiError> {
     let state = app.studio.solver.job(&id).ok_or_else(|| StudioError::unknown("job", &id))?;
     Ok(Json(state))
 }
 
 /// Stops a job.
 #[utoipa::path(delete, path = "/api/jobs/{id}", params(("id" = String, Path)), responses((status = 200, body = JobState), (status = "4XX", body = ErrorBody)))]
-pub(crate) async fn cancel_job(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<Json<JobState>, ApiError> {
+pub(crate) async fn cancel_job(
+    State(app): State<Arc<App>>,
+    Path(id): Path<String>,
+) -> Result<Json<JobState>, ApiError> {
     let state = app.studio.solver.cancel(&id).ok_or_else(|| StudioError::unknown("job", &id))?;
     Ok(Json(state))
 }
 
 /// What is told of a result.
 #[utoipa::path(get, path = "/api/results/{id}", params(("id" = String, Path)), responses((status = 200, body = ResultFacts), (status = "4XX", body = ErrorBody)))]
-pub(crate) async fn facts(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<Json<ResultFacts>, ApiError> {
+pub(crate) async fn facts(
+    State(app): State<Arc<App>>,
+    Path(id): Path<String>,
+) -> Result<Json<ResultFacts>, ApiError> {
     Ok(Json(find(&app, &id)?.facts.clone()))
 }
 
 /// The character of a result: that of the source, but for a root bone.
-#[utoipa::path(get, path = "/api/results/{id}/skeleton", params(("id" = String, Path)), responses((status = 200, body = SkeletonInfo), (status = "4XX", body = ErrorBody)))]
-pub(crate) async fn skeleton(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<Json<SkeletonInfo>, ApiError> {
+#[utoipa::path(get, path = "/api/results/{id}/skeleton", params(("id" = String, Path)), responses((status = 200, body = Figure), (status = "4XX", body = ErrorBody)))]
+pub(crate) async fn skeleton(
+    State(app): State<Arc<App>>,
+    Path(id): Path<String>,
+) -> Result<Json<Figure>, ApiError> {
     let result = find(&app, &id)?;
-    Blocking::run(move || Ok(Json(skeleton_of(&result.clip)))).await
+    Blocking::run(move || Ok(Json(figure(&result.clip)))).await
 }
 
 /// The poses of a result.
 #[utoipa::path(get, path = "/api/results/{id}/poses", params(("id" = String, Path)), responses((status = 200, content_type = "application/octet-stream", body = inline(Vec<u8>)), (status = "4XX", body = ErrorBody)))]
-pub(crate) async fn poses(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<impl IntoResponse, ApiError> {
+pub(crate) async fn poses(
+    State(app): State<Arc<App>>,
+    Path(id): Path<String>,
+) -> Result<impl IntoResponse, ApiError> {
     let result = find(&app, &id)?;
     let bytes = Blocking::run(move || Ok(result.poses())).await?;
     Ok(([(CONTENT_TYPE, "application/octet-stream")], bytes))

@@ -120,7 +120,10 @@ pub(crate) async fn add(
 
 /// The sound as it was uploaded.
 #[utoipa::path(get, path = "/api/sounds/{id}/file", params(("id" = String, Path)), responses((status = 200, content_type = "application/octet-stream", body = inline(Vec<u8>)), (status = "4XX", body = ErrorBody)))]
-pub(crate) async fn file(State(app): State<Arc<App>>, Path(id): Path<String>) -> Result<impl IntoResponse, ApiError> {
+pub(crate) async fn file(
+    State(app): State<Arc<App>>,
+    Path(id): Path<String>,
+) -> Result<impl IntoResponse, ApiError> {
     let (kind, bytes) = Blocking::run(move || {
         let (document, _) = app.studio.now();
         let entry = document.sound(&id).ok_or_else(|| StudioError::unknown("sound", &id))?;

@@ -107,7 +107,14 @@ pub(crate) async fn lock(
             (id, file)
         };
         let unit = Some(options.metres_per_unit);
-        let clip = ClipEntry { id: id.clone(), name: name.clone(), file, role: ClipRole::Locked, unit, ..ClipEntry::default() };
+        let clip = ClipEntry {
+            id: id.clone(),
+            name: name.clone(),
+            file,
+            role: ClipRole::Locked,
+            unit,
+            ..ClipEntry::default()
+        };
         let key = Key {
             id: format!("keep-{id}"),
             enabled: true,
@@ -163,7 +170,8 @@ pub(crate) async fn retarget(
         let character = clip(&document, &folder, &app.studio.media, &asked.onto)?;
         let id = app.studio.solver.results().new_id();
         let options = (asked.keep_feet.unwrap_or(true), asked.scale);
-        let (finished, certificate) = carry_over(&motion, &character, options, (id.clone(), revision, asked.onto))?;
+        let (finished, certificate) =
+            carry_over(&motion, &character, options, (id.clone(), revision, asked.onto))?;
         app.studio.solver.results().put(Arc::new(finished));
         Ok(Json(RetargetDone { result: id, certificate }))
     })
@@ -189,7 +197,12 @@ fn find(app: &App, id: &str) -> Result<(Clip, SourceInfo, bool, String), StudioE
     let (document, _) = app.studio.now();
     let result = app.studio.solver.results().get(id);
     if let Some(result) = result {
-        return Ok((result.clip.clone(), result.written_as.clone(), result.facts.cyclic, document.name.clone()));
+        return Ok((
+            result.clip.clone(),
+            result.written_as.clone(),
+            result.facts.cyclic,
+            document.name.clone(),
+        ));
     }
     let folder = app.studio.project().folder().clone();
     let import = clip(&document, &folder, &app.studio.media, id)?;
@@ -199,7 +212,11 @@ fn find(app: &App, id: &str) -> Result<(Clip, SourceInfo, bool, String), StudioE
 
 /// A name for a header and for any file system.
 fn plain(name: &str) -> String {
-    let kept: String = name.chars().filter(|letter| letter.is_ascii_alphanumeric() || "-_ ".contains(*letter)).take(60).collect();
+    let kept: String = name
+        .chars()
+        .filter(|letter| letter.is_ascii_alphanumeric() || "-_ ".contains(*letter))
+        .take(60)
+        .collect();
     let kept = kept.trim().replace(' ', "-");
     if kept.is_empty() { "motion".into() } else { kept }
 }

@@ -29,7 +29,8 @@ pub(super) fn document(document: &Document) -> Result<(), StudioError> {
     most("sounds", document.sounds.len(), MOST_CLIPS)?;
     most("keys", document.keys.len(), MOST_KEYS)?;
     most("letters of a name", document.name.len(), MOST_TEXT)?;
-    let names = document.clips.iter().map(|clip| &clip.name).chain(document.sounds.iter().map(|sound| &sound.name));
+    let names =
+        document.clips.iter().map(|clip| &clip.name).chain(document.sounds.iter().map(|sound| &sound.name));
     for name in names {
         most("letters of a name", name.len(), MOST_TEXT)?;
     }
@@ -75,17 +76,23 @@ fn check_control(document: &Document, control: &Control) -> Result<(), StudioErr
                 number(x) && number(y) && t.is_none_or(number) && p.is_none_or(|p| (0.0..=100.0).contains(&p))
             };
             if !strokes.iter().flatten().all(good) {
-                return Err(StudioError::Invalid { what: "a point of the drawing is beyond a million units".into() });
+                return Err(StudioError::Invalid {
+                    what: "a point of the drawing is beyond a million units".into(),
+                });
             }
         }
         Control::DrawnWave { points } => {
-            if !points.iter().all(|[t, v]| number(*t) && number(*v)) || points.windows(2).any(|pair| pair[1][0] < pair[0][0]) {
+            if !points.iter().all(|[t, v]| number(*t) && number(*v))
+                || points.windows(2).any(|pair| pair[1][0] < pair[0][0])
+            {
                 return Err(StudioError::Invalid { what: "times of a wave must rise".into() });
             }
         }
         Control::Labels { segments } => {
             if !segments.iter().all(|segment| number(segment.seconds) && segment.seconds > 0.0) {
-                return Err(StudioError::Invalid { what: "a label without length: give each some time".into() });
+                return Err(StudioError::Invalid {
+                    what: "a label without length: give each some time".into(),
+                });
             }
         }
         Control::Wave { expression } => {
@@ -123,8 +130,13 @@ fn check_key(document: &Document, key: &Key) -> Result<(), StudioError> {
         Some(Place::Label { label }) => label.len() <= MOST_TEXT,
         None => true,
     };
-    let fixed = key.fixed.as_ref().is_none_or(|part| number(part.from) && number(part.to) && part.from < part.to);
-    if place && fixed { Ok(()) } else { Err(StudioError::Invalid { what: format!("the place of key {} is none", key.id) }) }
+    let fixed =
+        key.fixed.as_ref().is_none_or(|part| number(part.from) && number(part.to) && part.from < part.to);
+    if place && fixed {
+        Ok(())
+    } else {
+        Err(StudioError::Invalid { what: format!("the place of key {} is none", key.id) })
+    }
 }
 
 fn number(value: f64) -> bool {

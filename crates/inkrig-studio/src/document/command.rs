@@ -138,14 +138,29 @@ mod tests {
     use crate::document::{ClipEntry, KeyKind, PoseRef};
 
     fn with_clip() -> Document {
-        let clip = ClipEntry { id: "c1".into(), name: "walk".into(), file: "c1-walk.bvh".into(), ..Default::default() };
+        let clip = ClipEntry {
+            id: "c1".into(),
+            name: "walk".into(),
+            file: "c1-walk.bvh".into(),
+            ..Default::default()
+        };
         let source = Source { clips: vec!["c1".into()], ..Source::default() };
         Document { clips: vec![clip], source, ..Document::default() }
     }
 
     fn key(id: &str) -> Key {
         let pose = Some(PoseRef { clip: "c1".into(), frame: 3 });
-        Key { id: id.into(), enabled: true, kind: KeyKind::Never, place: None, pose, weight: None, distance: None, radius: None, fixed: None }
+        Key {
+            id: id.into(),
+            enabled: true,
+            kind: KeyKind::Never,
+            place: None,
+            pose,
+            weight: None,
+            distance: None,
+            radius: None,
+            fixed: None,
+        }
     }
 
     #[test]

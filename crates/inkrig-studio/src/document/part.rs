@@ -76,7 +76,8 @@ mod tests {
     fn parts_of_a_change_bring_the_document_back() {
         let before = Document::default();
         let control = Some(Control::Wave { expression: "sine(1Hz)".into() });
-        let after = Document { name: "walk".into(), control, page: serde_json::json!({"a": 1}), ..before.clone() };
+        let after =
+            Document { name: "walk".into(), control, page: serde_json::json!({"a": 1}), ..before.clone() };
         let parts = before.changed_parts(&after);
         assert_eq!(parts.len(), 3);
         let mut document = after.clone();

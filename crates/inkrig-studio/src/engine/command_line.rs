@@ -1,9 +1,7 @@
 //! The line of a shell that makes the same result.
 
 use crate::StudioError;
-use crate::document::{
-    Control, CurveTiming, Document, GroundPath, KeyKind, Place, Preset, RootMode,
-};
+use crate::document::{Control, CurveTiming, Document, GroundPath, KeyKind, Place, Preset, RootMode};
 use crate::engine::SourceMap;
 use std::fmt::Write as _;
 
@@ -11,16 +9,21 @@ use std::fmt::Write as _;
 ///
 /// # Errors
 /// When nothing is arranged or followed.
-pub(crate) fn command_line(document: &Document, map: &SourceMap) -> Result<(String, Vec<(String, String)>), StudioError> {
+pub(crate) fn command_line(
+    document: &Document,
+    map: &SourceMap,
+) -> Result<(String, Vec<(String, String)>), StudioError> {
     let settings = &document.settings;
     let mut line = String::from("inkrig align");
     // What is drawn becomes a file, that the line can name it.
     let mut files = Vec::new();
     let file = |id: &str| document.clip(id).map(|clip| format!("clips/{}", clip.file));
-    let path = |id: &str| document.clip(id).map(|clip| {
-        let take = clip.take.as_ref().map(|take| format!("#{take}")).unwrap_or_default();
-        quoted(&format!("clips/{}{take}", clip.file))
-    });
+    let path = |id: &str| {
+        document.clip(id).map(|clip| {
+            let take = clip.take.as_ref().map(|take| format!("#{take}")).unwrap_or_default();
+            quoted(&format!("clips/{}{take}", clip.file))
+        })
+    };
     for id in &document.source.clips {
         let _ = write!(line, " {}", path(id).unwrap_or_default());
     }
@@ -33,11 +36,16 @@ pub(crate) fn command_line(document: &Document, map: &SourceMap) -> Result<(Stri
     };
     match document.control.as_ref().ok_or(StudioError::NoControl)? {
         Control::Curve { strokes, timing, smooth } => {
-            let timed = *timing == CurveTiming::Pen && strokes.iter().flatten().all(|point| point.2.is_some());
-            let rows: String = strokes.iter().flatten().map(|point| match point.2 {
-                Some(t) if timed => format!("{},{},{t}\n", point.0, point.1),
-                _ => format!("{},{}\n", point.0, point.1),
-            }).collect();
+            let timed =
+                *timing == CurveTiming::Pen && strokes.iter().flatten().all(|point| point.2.is_some());
+            let rows: String = strokes
+                .iter()
+                .flatten()
+                .map(|point| match point.2 {
+                    Some(t) if timed => format!("{},{},{t}\n", point.0, point.1),
+                    _ => format!("{},{}\n", point.0, point.1),
+                })
+                .collect();
             let head = if timed { "x,y,t\n" } else { "x,y\n" };
             files.push(("drawing.csv".to_string(), format!("{head}{rows}")));
             add("--curve drawing.csv".into());
@@ -56,8 +64,13 @@ pub(crate) fn command_line(document: &Document, map: &SourceMap) -> Result<(Stri
         }
         Control::Labels { segments } => {
             let one = |segment: &crate::document::LabelSegment| {
-                let plain = segment.name.chars().all(|letter| letter.is_alphanumeric()) && !segment.name.is_empty();
-                let name = if plain { segment.name.clone() } else { format!("\"{}\"", segment.name.replace('"', "\"\"")) };
+                let plain =
+                    segment.name.chars().all(|letter| letter.is_alphanumeric()) && !segment.name.is_empty();
+                let name = if plain {
+                    segment.name.clone()
+                } else {
+                    format!("\"{}\"", segment.name.replace('"', "\"\""))
+                };
                 format!("{name}:{}s", segment.seconds)
             };
             let text: Vec<String> = segments.iter().map(one).collect();
@@ -134,7 +147,9 @@ pub(crate) fn command_line(document: &Document, map: &SourceMap) -> Result<(Stri
             Place::Label { label } => format!("label:{label}"),
         });
         match (key.kind, place, pose) {
-            (KeyKind::Hard, Some(place), Some(pose)) => add(format!("--key {}", quoted(&format!("{place}={pose}")))),
+            (KeyKind::Hard, Some(place), Some(pose)) => {
+                add(format!("--key {}", quoted(&format!("{place}={pose}"))))
+            }
             (KeyKind::Soft, Some(place), Some(pose)) => {
                 let weight = key.weight.unwrap_or(0.5);
                 add(format!("--key {}", quoted(&format!("{place}~{pose}*{weight}"))));
@@ -162,5 +177,9 @@ pub(crate) fn command_line(document: &Document, map: &SourceMap) -> Result<(Stri
 /// For a shell: in quotes where anything in it means something there.
 fn quoted(text: &str) -> String {
     let plain = |letter: char| letter.is_ascii_alphanumeric() || "-_./:=,@%+".contains(letter);
-    if !text.is_empty() && text.chars().all(plain) { text.into() } else { format!("'{}'", text.replace('\'', "'\\''")) }
+    if !text.is_empty() && text.chars().all(plain) {
+        text.into()
+    } else {
+        format!("'{}'", text.replace('\'', "'\\''"))
+    }
 }

@@ -2,7 +2,9 @@
 
 use crate::StudioError;
 use crate::document::{Control, CurveTiming, LabelSegment, PenPoint};
-use inkrig_sketch::{Drawing, Format, LabelLength, Origin, Table, read_drawing as read_any, read_labels, read_wave};
+use inkrig_sketch::{
+    Drawing, Format, LabelLength, Origin, Table, read_drawing as read_any, read_labels, read_wave,
+};
 use serde::Deserialize;
 use utoipa::ToSchema;
 
@@ -69,7 +71,8 @@ pub(crate) fn read(bytes: &[u8], name: &str, kind: As) -> Result<(Control, Optio
 }
 
 fn drawn_wave(table: &Table) -> Control {
-    let time = |row: usize| table.seconds().and_then(|all| all.get(row).copied()).unwrap_or(row as f64 / RATE);
+    let time =
+        |row: usize| table.seconds().and_then(|all| all.get(row).copied()).unwrap_or(row as f64 / RATE);
     let values = table.values().iter().step_by(table.width().max(1));
     Control::DrawnWave { points: values.enumerate().map(|(row, &value)| [time(row), value]).collect() }
 }

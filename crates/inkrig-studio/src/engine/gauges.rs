@@ -55,14 +55,19 @@ pub(super) fn gauges(alignment: &Alignment, clip: &Clip) -> (Vec<Gauge>, BadFram
     };
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     let (structure, warp) = (report.structure_pearson, report.structure_pearson_warp);
-    let text = format!("follows the control {}; stretching the clip would {}", percent(structure), percent(warp));
+    let text =
+        format!("follows the control {}; stretching the clip would {}", percent(structure), percent(warp));
     add("structure", structure, Some(warp), (0.7, 0.45), text);
     let text = format!("{:.2} of a mean distance from the clip's own poses", report.nearest_patch);
     add("nearness", report.nearest_patch, None, (0.3, 0.45), text);
     let text = format!("comes near to {} of the clip", percent(report.coverage));
     add("coverage", report.coverage, None, (0.5, 0.2), text);
     let frozen = report.freeze - report.freeze_source;
-    let text = format!("still for {} of the time, the clip for {}", percent(report.freeze), percent(report.freeze_source));
+    let text = format!(
+        "still for {} of the time, the clip for {}",
+        percent(report.freeze),
+        percent(report.freeze_source)
+    );
     add("freeze", frozen.max(0.0), Some(report.freeze_source), (0.1, 0.3), text);
     let text = format!("the fastest movements are {:.1} times the clip's", report.jump_q999_ratio);
     add("jumps", report.jump_q999_ratio, Some(1.0), (1.5, 2.0), text);
@@ -74,7 +79,10 @@ pub(super) fn gauges(alignment: &Alignment, clip: &Clip) -> (Vec<Gauge>, BadFram
     if let Some(slide) = slide {
         let own = Contacts::of(alignment.source.clip()).slide(alignment.source.clip());
         let text = match own {
-            Some(own) => format!("standing feet slide {:.1} mm a frame, the clip's {:.1} mm", slide.mean_step_mm, own.mean_step_mm),
+            Some(own) => format!(
+                "standing feet slide {:.1} mm a frame, the clip's {:.1} mm",
+                slide.mean_step_mm, own.mean_step_mm
+            ),
             None => format!("standing feet slide {:.1} mm a frame", slide.mean_step_mm),
         };
         add("slide", slide.mean_step_mm, own.map(|own| own.mean_step_mm), (3.0, 6.0), text);
@@ -108,8 +116,11 @@ fn bad_frames(alignment: &Alignment, clip: &Clip) -> BadFrames {
     }
     slide.sort_unstable();
     slide.dedup();
-    let still: Vec<bool> =
-        Dynamics::of(clip, joint).speeds.iter().map(|&speed| f64::from(speed) < 0.1 * own.speed_mean()).collect();
+    let still: Vec<bool> = Dynamics::of(clip, joint)
+        .speeds
+        .iter()
+        .map(|&speed| f64::from(speed) < 0.1 * own.speed_mean())
+        .collect();
     let least = (FREEZES * clip.frame_rate()).ceil() as usize;
     let mut freeze = Vec::new();
     for run in still.chunk_by(|a, b| a == b).scan(0, |at, run| {

@@ -3,9 +3,7 @@
 use crate::StudioError;
 use crate::document::{ClipEntry, SoundEntry, Up};
 use crate::project::{Folder, Kind};
-use inkrig_formats::{
-    ClipChoice, Format, FileSource, Import, ImportOptions, UpAxis, read_motion,
-};
+use inkrig_formats::{ClipChoice, FileSource, Format, Import, ImportOptions, UpAxis, read_motion};
 use inkrig_sound::Sound;
 use std::collections::HashMap;
 use std::path::Path;
@@ -76,15 +74,20 @@ impl Media {
 ///
 /// # Errors
 /// When the name says no known kind, or the file is not understood.
-pub fn read(entry: &ClipEntry, bytes: &[u8], beside: &HashMap<String, Vec<u8>>) -> Result<Import, StudioError> {
+pub fn read(
+    entry: &ClipEntry,
+    bytes: &[u8],
+    beside: &HashMap<String, Vec<u8>>,
+) -> Result<Import, StudioError> {
     let format = format_of(&entry.file)?;
     let skeleton = match format {
         Format::Amc | Format::DeepMimic => beside.values().next().cloned(),
         _ => None,
     };
-    let take = entry.take.as_ref().map(|take| {
-        take.parse().map_or_else(|_| ClipChoice::Name(take.clone()), ClipChoice::Number)
-    });
+    let take = entry
+        .take
+        .as_ref()
+        .map(|take| take.parse().map_or_else(|_| ClipChoice::Name(take.clone()), ClipChoice::Number));
     let options = ImportOptions {
         metres_per_unit: entry.unit,
         up: entry.up.map(|up| match up {
@@ -99,7 +102,10 @@ pub fn read(entry: &ClipEntry, bytes: &[u8], beside: &HashMap<String, Vec<u8>>) 
     let files: FileSource<'_> = &|name, most| match beside.get(name.rsplit('/').next().unwrap_or(name)) {
         Some(bytes) if bytes.len() <= most => Ok(bytes.clone()),
         Some(_) => Err(std::io::Error::other("it is too large")),
-        None => Err(std::io::Error::new(std::io::ErrorKind::NotFound, "drop it on the page together with this file")),
+        None => Err(std::io::Error::new(
+            std::io::ErrorKind::NotFound,
+            "drop it on the page together with this file",
+        )),
     };
     read_motion(bytes, format, &options, files)
         .map_err(|cause| StudioError::Clip { name: entry.name.clone(), cause: Box::new(cause) })

@@ -3,12 +3,12 @@
 use crate::StudioError;
 use crate::document::{GroundPath as Drawn, RootMode, Settings};
 use inkrig_formats::SourceInfo;
+use inkrig_motion::Clip;
 use inkrig_motion::glam::DVec2;
 use inkrig_motion::ground::{
-    GroundPath, PathOptions, Route, TravelOptions, add_root_bone, empty_root_bone, fold_root_bone, follow_path,
-    in_place,
+    GroundPath, PathOptions, Route, TravelOptions, add_root_bone, empty_root_bone, fold_root_bone,
+    follow_path, in_place,
 };
-use inkrig_motion::Clip;
 
 /// Does what the settings say; `written_as` learns of joints that come and go. Of a preview only what leaves the skeleton as
 /// it is. Beside the motion stands what a person should know.
@@ -47,7 +47,8 @@ pub(crate) fn over_ground(
         }
         (RootMode::Hips, Some(written_as)) => {
             // The skin of the character's own file lists its bones.
-            let done = if written_as.original.is_some() { empty_root_bone(&clip)? } else { fold_root_bone(&clip)? };
+            let done =
+                if written_as.original.is_some() { empty_root_bone(&clip)? } else { fold_root_bone(&clip)? };
             written_as.follow(done.skeleton);
             done.clip
         }
@@ -59,7 +60,11 @@ pub(crate) fn over_ground(
 fn route(path: &Drawn) -> Result<Route, StudioError> {
     let angle = |degrees: f64| {
         let good = degrees.is_finite() && degrees.abs() <= 36_000.0;
-        if good { Ok(degrees.to_radians()) } else { Err(StudioError::invalid("a path turns by at most 36000 degrees")) }
+        if good {
+            Ok(degrees.to_radians())
+        } else {
+            Err(StudioError::invalid("a path turns by at most 36000 degrees"))
+        }
     };
     Ok(match path {
         Drawn::Straight => Route::Straight,

@@ -71,7 +71,16 @@ pub fn encode(clip: &Clip, head: &PoseHead, used: &[u32]) -> Vec<u8> {
         | u32::from(head.is_loop) << 1
         | u32::from(head.warm) << 2
         | u32::from(head.kind == PoseKind::Result) << 3;
-    let integers = [MAGIC, head.kind as u32, head.revision, head.stroke, head.message, frames as u32, joints as u32, tracks.len() as u32];
+    let integers = [
+        MAGIC,
+        head.kind as u32,
+        head.revision,
+        head.stroke,
+        head.message,
+        frames as u32,
+        joints as u32,
+        tracks.len() as u32,
+    ];
     integers.into_iter().for_each(|value| out.extend(value.to_le_bytes()));
     out.extend((clip.frame_rate() as f32).to_le_bytes());
     out.extend(head.level.to_le_bytes());
@@ -105,7 +114,9 @@ pub fn encode_plan(plan: &Plan<f32>, width: usize, height: usize) -> Vec<u8> {
     // The plan's own picture has control samples downward.
     let picture = plan.heat_map(height, width);
     let mut out = Vec::with_capacity(16 + width * height);
-    [PLAN_MAGIC, width as u32, height as u32, 0].into_iter().for_each(|value| out.extend(value.to_le_bytes()));
+    [PLAN_MAGIC, width as u32, height as u32, 0]
+        .into_iter()
+        .for_each(|value| out.extend(value.to_le_bytes()));
     for row in 0..height {
         out.extend((0..width).map(|column| {
             let value = picture.get(column * height + row).copied().unwrap_or_default();
@@ -129,12 +140,22 @@ mod tests {
 
     #[test]
     fn poses_lie_where_the_page_looks_for_them() {
-        let joints = vec![Joint::new("a", None, Vec3::ZERO), Joint::new("b", Some(0), Vec3::X), Joint::end("c", 1, Vec3::Y)];
+        let joints = vec![
+            Joint::new("a", None, Vec3::ZERO),
+            Joint::new("b", Some(0), Vec3::X),
+            Joint::end("c", 1, Vec3::Y),
+        ];
         let turn = Quat::from_rotation_z(0.5);
         let track = TranslationTrack { joint: 0, values: vec![Vec3::new(1.0, 2.0, 3.0), Vec3::ZERO] };
         let rotations = vec![turn, Quat::IDENTITY, Quat::IDENTITY, Quat::IDENTITY, turn, Quat::IDENTITY];
         let clip = Clip::new(Arc::new(Skeleton::new(joints).unwrap()), 60.0, rotations, vec![track]).unwrap();
-        let head = PoseHead { stroke: 7, level: 2, levels: 4, sample_rate: 30.0, ..PoseHead::of(PoseKind::Live, 9, true) };
+        let head = PoseHead {
+            stroke: 7,
+            level: 2,
+            levels: 4,
+            sample_rate: 30.0,
+            ..PoseHead::of(PoseKind::Live, 9, true)
+        };
         let bytes = encode(&clip, &head, &[5, 6]);
         let int = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
         let float = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
@@ -153,7 +174,11 @@ mod tests {
 
     #[test]
     fn a_plan_has_the_source_upright() {
-        let plan = Plan::from_mat(Mat::from_fn(4, 2, |control, source| if control == 3 && source == 1 { 1.0 } else { 0.0 }));
+        let plan = Plan::from_mat(Mat::from_fn(
+            4,
+            2,
+            |control, source| if control == 3 && source == 1 { 1.0 } else { 0.0 },
+        ));
         let bytes = encode_plan(&plan, 4, 2);
         assert_eq!(bytes[..4], *b"IKM1");
         assert_eq!(bytes[16..], [0, 0, 0, 0, 0, 0, 0, 255]);

@@ -1,13 +1,11 @@
 //! What a document asks of the engine.
 
-use super::media::Media;
 use super::SourceMap;
+use super::media::Media;
 use crate::StudioError;
 use crate::document::{self, Control as Drawn, CurveTiming, Document, KeyKind, Place as At};
 use crate::project::Folder;
-use inkrig_align::{
-    Control, ControlKind, CurveOptions, Key, Options, Place, Pose, Preset, SoundOptions,
-};
+use inkrig_align::{Control, ControlKind, CurveOptions, Key, Options, Place, Pose, Preset, SoundOptions};
 use inkrig_formats::{Import, SourceInfo};
 use inkrig_motion::{Takes, cycle, time};
 use inkrig_sketch::{Curve, Format, LabelLength, Labels, Timing, Wave, read_wave};
@@ -59,12 +57,15 @@ impl Prepared {
             };
             if range.is_empty() {
                 let seconds = import.clip.duration();
-                return Err(StudioError::invalid(format!("the range holds nothing of a clip of {seconds:.2} s")));
+                return Err(StudioError::invalid(format!(
+                    "the range holds nothing of a clip of {seconds:.2} s"
+                )));
             }
             let start = range.start;
             let part = time::trim(&import.clip, range)?;
             let lap = part.frames();
-            let laps = if document.source.laps > 1 { cycle::laps(&part, document.source.laps)? } else { None };
+            let laps =
+                if document.source.laps > 1 { cycle::laps(&part, document.source.laps)? } else { None };
             let lap = if laps.is_some() { lap.saturating_sub(1).max(1) } else { lap };
             used.push(laps.unwrap_or(part));
             clips.push((id.clone(), import.clip.clone(), start, lap));
@@ -80,7 +81,12 @@ impl Prepared {
     ///
     /// # Errors
     /// When there is nothing to follow, or it cannot be.
-    pub fn wishes(&self, document: &Document, folder: &Folder, media: &Media) -> Result<(Control, Options), StudioError> {
+    pub fn wishes(
+        &self,
+        document: &Document,
+        folder: &Folder,
+        media: &Media,
+    ) -> Result<(Control, Options), StudioError> {
         let settings = &document.settings;
         let preset = match settings.preset {
             document::Preset::Follow => Preset::Follow,
@@ -121,7 +127,9 @@ impl Prepared {
                 None => Err(StudioError::invalid(format!("key {} has no place", key.id))),
             };
             keys.push(match key.kind {
-                KeyKind::Soft => Key::Soft { place: place()?, pose: pose()?, weight: key.weight.unwrap_or(0.5) },
+                KeyKind::Soft => {
+                    Key::Soft { place: place()?, pose: pose()?, weight: key.weight.unwrap_or(0.5) }
+                }
                 KeyKind::Avoid => Key::Avoid {
                     pose: pose()?,
                     distance: key.distance.unwrap_or(1.0),
@@ -130,10 +138,16 @@ impl Prepared {
                 KeyKind::Never => Key::Never { pose: pose()?, radius: key.radius.unwrap_or(0.25) },
                 KeyKind::Hard => {
                     let Some(At::Time { seconds }) = key.place else {
-                        return Err(StudioError::invalid(format!("key {} is exact and needs a time", key.id)));
+                        return Err(StudioError::invalid(format!(
+                            "key {} is exact and needs a time",
+                            key.id
+                        )));
                     };
                     let Pose::Frame(frame) = pose()? else {
-                        let what = format!("key {} is exact: take a pose of the part of a clip that is arranged", key.id);
+                        let what = format!(
+                            "key {} is exact: take a pose of the part of a clip that is arranged",
+                            key.id
+                        );
                         return Err(StudioError::invalid(what));
                     };
                     Key::Hard { seconds, frame }
@@ -142,7 +156,8 @@ impl Prepared {
                     let missing = || StudioError::invalid(format!("key {} says not what stays", key.id));
                     let part = key.fixed.as_ref().ok_or_else(missing)?;
                     let earlier = clip(document, folder, media, &part.clip)?;
-                    let frame = |seconds: f64| (seconds * earlier.clip.frame_rate()).round().max(0.0) as usize;
+                    let frame =
+                        |seconds: f64| (seconds * earlier.clip.frame_rate()).round().max(0.0) as usize;
                     let frames = frame(part.from)..(frame(part.to) + 1).min(earlier.clip.frames());
                     Key::Fixed { earlier: Arc::new(earlier.clip.clone()), frames }
                 }
@@ -153,7 +168,12 @@ impl Prepared {
 }
 
 /// A clip of the document.
-pub(crate) fn clip(document: &Document, folder: &Folder, media: &Media, id: &str) -> Result<Arc<Import>, StudioError> {
+pub(crate) fn clip(
+    document: &Document,
+    folder: &Folder,
+    media: &Media,
+    id: &str,
+) -> Result<Arc<Import>, StudioError> {
     media.clip(folder, document.clip(id).ok_or_else(|| StudioError::unknown("clip", id))?)
 }
 
@@ -206,7 +226,8 @@ fn control(
                 Control::from_waveform(&sound, samples, rate)?
             } else {
                 let smooth = smooth.unwrap_or(SoundOptions::default().smooth);
-                let heard = Control::from_sound(&sound, &SoundOptions { rate, smooth, times: settings.repeat })?;
+                let heard =
+                    Control::from_sound(&sound, &SoundOptions { rate, smooth, times: settings.repeat })?;
                 stretched(heard, samples.map(|samples| samples.saturating_mul(settings.repeat)), rate)
             }
         }
@@ -225,11 +246,14 @@ fn control(
 
 /// The curve of pen points; times and pressures count where all points have them.
 fn curve(strokes: &[Vec<document::PenPoint>]) -> Result<Curve, StudioError> {
-    let curve = Curve::from_strokes(strokes.iter().map(|stroke| stroke.iter().map(|point| [point.0, point.1]).collect()))?;
+    let curve = Curve::from_strokes(
+        strokes.iter().map(|stroke| stroke.iter().map(|point| [point.0, point.1]).collect()),
+    )?;
     let all = || strokes.iter().flatten();
-    let times: Option<Vec<f64>> = all().map(|point| point.2).collect();
+    let times: Option<Vec<Vec<f64>>> =
+        strokes.iter().map(|stroke| stroke.iter().map(|point| point.2).collect()).collect();
     let curve = match times {
-        Some(times) => curve.with_seconds(rising(times))?,
+        Some(times) => curve.with_seconds(one_clock(times))?,
         None => curve,
     };
     let pressures: Option<Vec<f64>> = all().map(|point| point.3).collect();
@@ -239,14 +263,17 @@ fn curve(strokes: &[Vec<document::PenPoint>]) -> Result<Curve, StudioError> {
     })
 }
 
-/// Clocks of pens go back at times.
-fn rising(mut times: Vec<f64>) -> Vec<f64> {
-    let mut last = f64::NEG_INFINITY;
-    for time in &mut times {
-        *time = time.max(last);
-        last = *time;
+/// Strokes follow each other without the time while the pen is up. Clocks of pens go back at times.
+fn one_clock(strokes: Vec<Vec<f64>>) -> Vec<f64> {
+    let mut out: Vec<f64> = Vec::new();
+    for stroke in strokes {
+        let shift = out.last().copied().unwrap_or(0.0) - stroke.first().copied().unwrap_or(0.0);
+        for time in stroke {
+            let last = out.last().copied().unwrap_or(f64::NEG_INFINITY);
+            out.push((time + shift).max(last));
+        }
     }
-    times
+    out
 }
 
 /// A control said to play at another speed, so that it has a length.

@@ -90,10 +90,8 @@ pub enum ResultKind {
 pub struct Used {
     /// Samples a second.
     pub rate: f64,
-    /// Clips that are named below.
-    pub clips: Vec<String>,
-    /// Index into `clips`.
-    pub clip: Vec<usize>,
+    /// Id of a clip.
+    pub clip: Vec<String>,
     /// Frame of that clip.
     pub frame: Vec<usize>,
     /// Share of the sample's weight within a quarter second of that frame, 0..1.
@@ -144,13 +142,20 @@ pub(crate) struct Origin<'a> {
 
 impl Finished {
     /// An alignment; `clip` is its motion after what is done over the ground.
-    pub(crate) fn of(solution: Alternative, clip: Clip, several: bool, notes: Vec<String>, origin: Origin<'_>) -> Self {
+    pub(crate) fn of(
+        solution: Alternative,
+        clip: Clip,
+        several: bool,
+        notes: Vec<String>,
+        origin: Origin<'_>,
+    ) -> Self {
         let Origin { id, revision, document, map, options, written_as } = origin;
         let Alternative { alignment, objective, distance } = solution;
         let used = used(&alignment, options, map);
         let (gauges, bad_frames) = gauges(&alignment, &clip);
         let report = &alignment.report;
-        let counted = alignment.used.iter().map(|moment| map.counted_through(moment.frame).unwrap_or(0) as u32);
+        let counted =
+            alignment.used.iter().map(|moment| map.counted_through(moment.frame).unwrap_or(0) as u32);
         let facts = ResultFacts {
             id,
             revision,
@@ -224,11 +229,7 @@ fn used(alignment: &Alignment, options: &Options, map: &SourceMap) -> Used {
     let mut used = Used { rate: explanation.rate, confidence: explanation.confidence, ..Used::default() };
     for frame in explanation.frame {
         let (clip, frame) = map.to_clip(frame).unwrap_or_default();
-        let index = used.clips.iter().position(|known| known == clip).unwrap_or_else(|| {
-            used.clips.push(clip.to_string());
-            used.clips.len() - 1
-        });
-        used.clip.push(index);
+        used.clip.push(clip.to_string());
         used.frame.push(frame);
     }
     used
@@ -245,7 +246,9 @@ fn keys(document: &Document, alignment: &Alignment) -> Vec<KeyFacts> {
         let distance = row.distance.unwrap_or(0.0);
         let asked = row.asked.unwrap_or(0.0);
         let met = match row.kind {
-            "soft" => row.correlation.map_or(verdict(distance < 0.3, distance < 0.7), |c| verdict(c > 0.6, c > 0.3)),
+            "soft" => {
+                row.correlation.map_or(verdict(distance < 0.3, distance < 0.7), |c| verdict(c > 0.6, c > 0.3))
+            }
             "avoid" | "never" => verdict(distance >= 0.9 * asked, distance >= 0.5 * asked),
             _ => row.jump.map_or(Verdict::Good, |jump| verdict(jump <= 2.0, jump <= 4.0)),
         };

@@ -21,6 +21,8 @@ use tokio::sync::watch;
 
 /// How long nothing has to move before the whole result is made.
 const REST: Duration = Duration::from_millis(150);
+/// How long newer ink waits for the finer answers to what came before it.
+const PATIENCE: Duration = Duration::from_millis(25);
 /// Between two reports of progress.
 const TELL: Duration = Duration::from_millis(50);
 /// Jobs that are remembered.
@@ -75,6 +77,8 @@ struct Inbox {
 #[derive(Debug, Default)]
 struct Work {
     live: Option<Live>,
+    /// The newest that was shown is of a stroke that goes on.
+    pen_is_down: bool,
     /// The document whose whole result is wanted once nothing moves.
     settle: Option<(Arc<Document>, u32, Instant)>,
     jobs: VecDeque<Job>,
@@ -107,8 +111,17 @@ impl Solver {
     ///
     /// # Errors
     /// When the system gives no thread.
-    pub fn start(folder: Arc<Folder>, media: Arc<Media>, events: Events, threads: usize) -> Result<Self, StudioError> {
-        let inbox = Arc::new(Inbox { work: Mutex::default(), changed: Condvar::new(), urgent: AtomicBool::new(false) });
+    pub fn start(
+        folder: Arc<Folder>,
+        media: Arc<Media>,
+        events: Events,
+        threads: usize,
+    ) -> Result<Self, StudioError> {
+        let inbox = Arc::new(Inbox {
+            work: Mutex::default(),
+            changed: Condvar::new(),
+            urgent: AtomicBool::new(false),
+        });
         let results = Arc::new(Mutex::new(Results::default()));
         let (sender, shown) = watch::channel(None);
         let worker = Worker {
@@ -129,20 +142,25 @@ impl Solver {
 
     /// Shows a document; a newer one takes its place.
     pub fn show(&self, live: Live) {
-        self.inbox.lock().live = Some(live);
-        self.inbox.wake(true);
+        let mut work = self.inbox.lock();
+        work.pen_is_down = live.stroke.0 > 0;
+        work.live = Some(live);
+        // With the lock held: later it might be taken for something newer than this.
+        self.inbox.urgent.store(true, Ordering::Release);
+        drop(work);
+        self.inbox.wake();
     }
 
     /// Makes the whole result of a document once nothing moves.
     pub fn settle(&self, document: Arc<Document>, revision: u32) {
         self.inbox.lock().settle = Some((document, revision, Instant::now()));
-        self.inbox.wake(false);
+        self.inbox.wake();
     }
 
     /// Begins a job.
     pub fn begin(&self, kind: JobKind, document: Arc<Document>, revision: u32) -> JobState {
         let state = self.inbox.lock().add(kind, document, revision, false);
-        self.inbox.wake(false);
+        self.inbox.wake();
         state
     }
 
@@ -170,7 +188,7 @@ impl Solver {
             work.cancelled.push(id.to_string());
         }
         drop(work);
-        self.inbox.wake(false);
+        self.inbox.wake();
         Some(state)
     }
 
@@ -187,8 +205,11 @@ impl Solver {
 
 impl Drop for Solver {
     fn drop(&mut self) {
-        self.inbox.lock().stop = true;
-        self.inbox.wake(true);
+        let mut work = self.inbox.lock();
+        work.stop = true;
+        self.inbox.urgent.store(true, Ordering::Release);
+        drop(work);
+        self.inbox.wake();
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
@@ -200,10 +221,7 @@ impl Inbox {
         lock(&self.work)
     }
 
-    fn wake(&self, urgent: bool) {
-        if urgent {
-            self.urgent.store(true, Ordering::Release);
-        }
+    fn wake(&self) {
         self.changed.notify_all();
     }
 
@@ -219,7 +237,10 @@ impl Inbox {
                 return Task::Live(live);
             }
             let mut wait = Duration::from_secs(3600);
-            if let Some((document, revision, since)) = work.settle.take() {
+            // What is drawn over just now is of no interest.
+            if !work.pen_is_down
+                && let Some((document, revision, since)) = work.settle.take()
+            {
                 let rested = since.elapsed();
                 if rested >= REST {
                     let state = work.add(JobKind::Solve, document, revision, true);
@@ -306,7 +327,11 @@ impl Worker {
         match self.update(live) {
             Ok(()) | Err(StudioError::Align(AlignError::Cancelled)) => {}
             Err(error) => {
-                let not = Shown::Not { stroke: live.stroke.0, message: error.to_string(), waiting: waiting(&error) };
+                let not = Shown::Not {
+                    stroke: live.stroke.0,
+                    message: error.to_string(),
+                    waiting: waiting(&error),
+                };
                 self.shown.send_replace(Some(not));
             }
         }
@@ -333,7 +358,7 @@ impl Worker {
         let Ready { alignment, counted, .. } = self.live.insert(ready);
         let (inbox, shown) = (&self.inbox, &self.shown);
         let mut failed = None;
-        let mut told = false;
+        let (mut told, begun) = (false, Instant::now());
         let done = alignment.update(&control, &mut |event| {
             match event {
                 LiveEvent::Step(_) => {}
@@ -347,8 +372,13 @@ impl Worker {
                     }
                 }
             }
-            // Ink that never gets an answer would stand still under the pen.
-            if told && inbox.urgent.load(Ordering::Acquire) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            // Ink that never gets an answer would stand still under the pen, and coarse ones alone look like nothing.
+            let late = begun.elapsed() >= PATIENCE;
+            if told && late && inbox.urgent.load(Ordering::Acquire) {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
         });
         if let Some(error) = failed {
             return Err(error);
@@ -460,7 +490,10 @@ impl Worker {
                 (alternatives(&prepared.takes, &control, &options, most, observer)?, true)
             }
         };
-        solutions.into_iter().map(|solution| self.finish(solution, several, job, &prepared, &options)).collect()
+        solutions
+            .into_iter()
+            .map(|solution| self.finish(solution, several, job, &prepared, &options))
+            .collect()
     }
 
     fn finish(
@@ -476,7 +509,14 @@ impl Worker {
         let (clip, notes) =
             over_ground(solution.alignment.clip.clone(), &document.settings, Some(&mut written_as))?;
         let id = lock(&self.results).new_id();
-        let origin = Origin { id: id.clone(), revision: job.revision, document, map: &prepared.map, options, written_as };
+        let origin = Origin {
+            id: id.clone(),
+            revision: job.revision,
+            document,
+            map: &prepared.map,
+            options,
+            written_as,
+        };
         let result = Finished::of(solution, clip, several, notes, origin);
         lock(&self.results).put(Arc::new(result));
         Ok(id)

@@ -81,7 +81,9 @@ mod tests {
     #[test]
     fn frames_go_there_and_back() {
         let skeleton = Arc::new(Skeleton::new(vec![Joint::new("root", None, Vec3::ZERO)]).unwrap());
-        let clip = |frames: usize, rate| Clip::new(skeleton.clone(), rate, vec![Quat::IDENTITY; frames], vec![]).unwrap();
+        let clip = |frames: usize, rate| {
+            Clip::new(skeleton.clone(), rate, vec![Quat::IDENTITY; frames], vec![]).unwrap()
+        };
         let (a, b) = (clip(100, 30.0), clip(121, 60.0));
         let used = time::trim(&a, 20..80).unwrap();
         let takes = Takes::join(&[used, b.clone()]).unwrap();

@@ -40,44 +40,64 @@ pub struct Suggestion {
 /// Moments on a plane: what is alike is near. The unit is the mean distance of two moments.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct MapInfo {
-    /// Columns of equal length.
-    pub clips: Vec<String>,
-    /// Index into `clips`.
-    pub clip: Vec<usize>,
-    /// Frame of that clip.
-    pub frame: Vec<usize>,
-    /// Place.
-    pub x: Vec<f32>,
-    /// Place.
-    pub y: Vec<f32>,
+    /// In order.
+    pub frames: Vec<MapPlace>,
     /// What the plane does not show, 0..1.
     pub stress: f64,
+}
+
+/// A moment on the map.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct MapPlace {
+    /// Id of its clip.
+    pub clip: String,
+    /// Its frame.
+    pub frame: usize,
+    /// Place.
+    pub x: f32,
+    /// Place.
+    pub y: f32,
 }
 
 /// Of the source of a document.
 ///
 /// # Errors
 /// When there is no source, or it does not move.
-pub(crate) fn suggestions(document: &Document, folder: &Folder, media: &Media, count: usize) -> Result<Suggestions, StudioError> {
+pub(crate) fn suggestions(
+    document: &Document,
+    folder: &Folder,
+    media: &Media,
+    count: usize,
+) -> Result<Suggestions, StudioError> {
     let prepared = Prepared::source(document, folder, media)?;
     let moments = Moments::of(&prepared.takes, &Options::default())?;
     let map = MotionMap::of(&moments)?;
     let place = |frame| prepared.map.to_clip(frame).unwrap_or_default();
-    let rate = |id: &str| document.clip(id).and_then(|entry| media.clip(folder, entry).ok()).map_or(30.0, |import| import.clip.frame_rate());
+    let rate = |id: &str| {
+        document
+            .clip(id)
+            .and_then(|entry| media.clip(folder, entry).ok())
+            .map_or(30.0, |import| import.clip.frame_rate())
+    };
     let found = candidates(&moments, count)?.into_iter().map(|candidate| {
         let (clip, frame) = place(candidate.moment.frame);
         let [x, y] = map.place_of(candidate.moment.frame).unwrap_or_default();
         let seconds = frame as f64 / rate(clip);
-        Suggestion { clip: clip.into(), frame, seconds, share: candidate.share, radius: candidate.radius, x, y }
+        Suggestion {
+            clip: clip.into(),
+            frame,
+            seconds,
+            share: candidate.share,
+            radius: candidate.radius,
+            x,
+            y,
+        }
     });
     let candidates = found.collect();
-    let mut info = MapInfo { clips: document.source.clips.clone(), clip: vec![], frame: vec![], x: vec![], y: vec![], stress: map.stress };
-    for at in &map.frames {
+    let frames = map.frames.iter().map(|at| {
         let (clip, frame) = place(at.moment.frame);
-        info.clip.push(info.clips.iter().position(|id| id == clip).unwrap_or(0));
-        info.frame.push(frame);
-        info.x.push(at.place[0] as f32);
-        info.y.push(at.place[1] as f32);
-    }
+        MapPlace { clip: clip.into(), frame, x: at.place[0] as f32, y: at.place[1] as f32 }
+    });
+    let info = MapInfo { frames: frames.collect(), stress: map.stress };
     Ok(Suggestions { candidates, map: info })
 }

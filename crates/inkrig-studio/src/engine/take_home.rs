@@ -55,12 +55,15 @@ pub(crate) fn file(
         }
         None => clip,
     };
-    let options = ExportOptions { name: Some(name.to_string()), ..ExportOptions::in_format(format, written_as) };
+    let options =
+        ExportOptions { name: Some(name.to_string()), ..ExportOptions::in_format(format, written_as) };
     let keys = match bake {
         Bake::Dense => None,
         Bake::Sparse { millimetres, degrees } => {
             if !(1e-3..=1e3).contains(&millimetres) || !(1e-3..=90.0).contains(&degrees) {
-                return Err(StudioError::invalid("a tolerance is from 0.001 to 1000 mm and from 0.001 to 90 degrees"));
+                return Err(StudioError::invalid(
+                    "a tolerance is from 0.001 to 1000 mm and from 0.001 to 90 degrees",
+                ));
             }
             let form = match format {
                 Format::Fbx => RotationForm::Angles { axes: options.up.clip_from_file_turn() },
@@ -179,7 +182,8 @@ pub(crate) fn retarget(
         distance: None,
         report: serde_json::Value::Object(serde_json::Map::new()),
     };
-    let finished = Finished { facts, clip: moved, written_as: character.source.clone(), plan: None, used: Vec::new() };
+    let finished =
+        Finished { facts, clip: moved, written_as: character.source.clone(), plan: None, used: Vec::new() };
     Ok((finished, CertificateFacts::of(&certificate)))
 }
 
@@ -203,11 +207,19 @@ impl CertificateFacts {
             row("below the ground", "mm", certificate.penetration, Some(limits.penetration_mm)),
             row("off the way", "mm", certificate.drift, Some(limits.drift_mm)),
         ];
-        rows.extend(certificate.limbs.iter().map(|limb| row(&limb.bone, "degrees", limb.degrees, Some(limits.direction_degrees))));
+        rows.extend(
+            certificate
+                .limbs
+                .iter()
+                .map(|limb| row(&limb.bone, "degrees", limb.degrees, Some(limits.direction_degrees))),
+        );
         rows.extend(certificate.joints.iter().map(|joint| row(&joint.joint, "mm", joint.millimetres, None)));
         Self {
             verdict: if broken.is_empty() { Verdict::Good } else { Verdict::Fair },
-            broken: broken.iter().map(|one| BrokenLimit { what: one.what, value: one.value, limit: one.limit }).collect(),
+            broken: broken
+                .iter()
+                .map(|one| BrokenLimit { what: one.what, value: one.value, limit: one.limit })
+                .collect(),
             scale: f64::from(certificate.scale),
             pairs: certificate.pairs.iter().map(|(own, other)| [own.clone(), other.clone()]).collect(),
             unmapped: certificate.unmapped.clone(),

@@ -46,10 +46,22 @@ mod tests {
     #[test]
     fn names_are_those_of_this_machine() {
         let hosts = Hosts::new(4747, vec!["Atelier.local".into()], false);
-        for good in ["localhost:4747", "127.0.0.1:4747", "[::1]:4747", "LOCALHOST:4747", "atelier.local:4747"] {
+        for good in ["localhost:4747", "127.0.0.1:4747", "[::1]:4747", "LOCALHOST:4747", "atelier.local:4747"]
+        {
             assert!(hosts.knows(good), "{good}");
         }
-        for bad in ["localhost", "localhost:80", "127.0.0.1:+4747", "localhost.evil.example:4747", "192.168.1.5:4747", "[::1]", ":4747", "", "127.0.0.1.evil:4747", "evil@localhost:4747"] {
+        for bad in [
+            "localhost",
+            "localhost:80",
+            "127.0.0.1:+4747",
+            "localhost.evil.example:4747",
+            "192.168.1.5:4747",
+            "[::1]",
+            ":4747",
+            "",
+            "127.0.0.1.evil:4747",
+            "evil@localhost:4747",
+        ] {
             assert!(!hosts.knows(bad), "{bad}");
         }
         let lan = Hosts::new(80, Vec::new(), true);

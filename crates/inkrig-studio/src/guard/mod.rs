@@ -43,7 +43,8 @@ impl Guard {
     /// Whether a request comes from our own page, or from no page.
     fn check(&self, method: &Method, headers: &HeaderMap) -> Result<(), ApiError> {
         let forbidden = |code, message: &str| ApiError::new(StatusCode::FORBIDDEN, code, message);
-        let host = one(headers, &HOST).ok_or_else(|| forbidden("host", "the request names no host, or several"))?;
+        let host =
+            one(headers, &HOST).ok_or_else(|| forbidden("host", "the request names no host, or several"))?;
         if !self.hosts.knows(host) {
             let hint = "open the address that the program printed";
             return Err(forbidden("host", "the studio is not known by this name").hint(hint));
@@ -74,7 +75,8 @@ impl Guard {
             return Err(forbidden("upgrade", "only a GET becomes a WebSocket"));
         }
         if *method != Method::GET && *method != Method::HEAD {
-            let kind = one(headers, &CONTENT_TYPE).map(|kind| kind.split(';').next().unwrap_or_default().trim());
+            let kind =
+                one(headers, &CONTENT_TYPE).map(|kind| kind.split(';').next().unwrap_or_default().trim());
             if !matches!(kind, Some("application/json" | "application/octet-stream")) {
                 let message = "send this as application/json or application/octet-stream";
                 return Err(ApiError::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "content_type", message));
@@ -120,18 +122,20 @@ fn welcome(tokens: &Tokens, request: &Request) -> Response {
         let message = "open the address that the program printed, token included";
         return ApiError::new(StatusCode::UNAUTHORIZED, "token", message).into_response();
     }
-    let text = "This studio lets in only who opens the whole address that the program printed, or scans its code. \
-        Every code is good for one device.\n";
-    (StatusCode::UNAUTHORIZED, [(CONTENT_TYPE, "text/plain; charset=utf-8")], text).into_response()
+    // Who came by a link of another page has the cookie, but it is sent only from here on.
+    let text = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>inkrig studio</title>\
+        <p>This studio lets in only who opens the whole address that the program printed, or scans its code. \
+        Every code is good for one device.</p><p><a href=\"/\">Try again</a></p>\n";
+    (StatusCode::UNAUTHORIZED, [(CONTENT_TYPE, "text/html; charset=utf-8")], text).into_response()
 }
 
 const COOKIE_NAME: &str = "inkrig";
 
 fn cookie(headers: &HeaderMap) -> Option<&str> {
     let all = headers.get_all(COOKIE).iter().filter_map(|value| value.to_str().ok());
-    let mut own = all.flat_map(|value| value.split(';')).filter_map(|pair| {
-        pair.trim().strip_prefix(COOKIE_NAME)?.strip_prefix('=')
-    });
+    let mut own = all
+        .flat_map(|value| value.split(';'))
+        .filter_map(|pair| pair.trim().strip_prefix(COOKIE_NAME)?.strip_prefix('='));
     own.next()
 }
 
@@ -159,11 +163,20 @@ mod tests {
     #[test]
     fn our_own_page_comes_in() {
         let host = ("host", "127.0.0.1:4747");
-        let own = [host, ("origin", "http://127.0.0.1:4747"), ("sec-fetch-site", "same-origin"), ("content-type", "application/json")];
+        let own = [
+            host,
+            ("origin", "http://127.0.0.1:4747"),
+            ("sec-fetch-site", "same-origin"),
+            ("content-type", "application/json"),
+        ];
         assert_eq!(check(Method::GET, &own), Ok(()));
         assert_eq!(check(Method::POST, &own), Ok(()));
         assert_eq!(check(Method::GET, &[host]), Ok(()), "a program");
-        assert_eq!(check(Method::GET, &[("host", "localhost:4747"), ("sec-fetch-site", "none")]), Ok(()), "typed");
+        assert_eq!(
+            check(Method::GET, &[("host", "localhost:4747"), ("sec-fetch-site", "none")]),
+            Ok(()),
+            "typed"
+        );
         let link = [host, ("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate")];
         assert_eq!(check(Method::GET, &link), Ok(()), "a link");
     }
@@ -183,8 +196,21 @@ mod tests {
             (Method::GET, &[host, ("origin", "http://localhost:4747")], 403),
             (Method::GET, &[host, ("origin", "https://127.0.0.1:4747")], 403),
             (Method::GET, &[host, ("sec-fetch-site", "cross-site")], 403),
-            (Method::GET, &[host, ("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate"), ("upgrade", "websocket")], 403),
-            (Method::POST, &[host, json, ("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate")], 403),
+            (
+                Method::GET,
+                &[
+                    host,
+                    ("sec-fetch-site", "cross-site"),
+                    ("sec-fetch-mode", "navigate"),
+                    ("upgrade", "websocket"),
+                ],
+                403,
+            ),
+            (
+                Method::POST,
+                &[host, json, ("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate")],
+                403,
+            ),
             (Method::POST, &[host, json, ("sec-fetch-site", "none")], 403),
             (Method::POST, &[host], 415),
             (Method::POST, &[host, ("content-type", "text/plain")], 415),

@@ -33,13 +33,17 @@ impl Folder {
         if !path.join("project.json").exists()
             && let Some(other) = stranger(&path)
         {
-            return Err(failed(format!("the folder holds `{other}`, which is of no project: give an empty or a new folder")));
+            return Err(failed(format!(
+                "the folder holds `{other}`, which is of no project: give an empty or a new folder"
+            )));
         }
         let lock = File::create(path.join("project.lock")).map_err(|cause| failed(cause.to_string()))?;
         match lock.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
-                return Err(failed("it is open already: close the other studio, or give another --project".into()));
+                return Err(failed(
+                    "it is open already: close the other studio, or give another --project".into(),
+                ));
             }
             // Some file systems know no locks.
             Err(TryLockError::Error(_)) => {}
@@ -68,7 +72,9 @@ impl Folder {
             Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(cause) => return Err(failed(cause.to_string())),
         };
-        serde_json::from_slice(&bytes).map(Some).map_err(|cause| failed(format!("it cannot be understood: {cause}")))
+        serde_json::from_slice(&bytes)
+            .map(Some)
+            .map_err(|cause| failed(format!("it cannot be understood: {cause}")))
     }
 
     /// Writes a file of ours whole or not at all.
@@ -148,7 +154,8 @@ fn plain(name: &str) -> String {
 
 /// Something in a folder that no project has.
 fn stranger(path: &Path) -> Option<String> {
-    let names = fs::read_dir(path).ok()?.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let names =
+        fs::read_dir(path).ok()?.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
     names.into_iter().find(|name| !KNOWN.contains(&name.as_str()))
 }
 
@@ -169,7 +176,7 @@ mod tests {
     #[test]
     fn files_of_others_are_not_read() {
         let outside = tempfile::tempdir().unwrap();
-        std::fs::write(outside.path().join("secret.bvh"), "secret").unwrap();
+        fs::write(outside.path().join("secret.bvh"), "secret").unwrap();
         let place = tempfile::tempdir().unwrap();
         let folder = Folder::open(place.path()).unwrap();
         let file = folder.keep(Kind::Clip, "c1", "../walk.bvh", b"HIERARCHY").unwrap();
@@ -179,7 +186,11 @@ mod tests {
         }
         #[cfg(unix)]
         {
-            std::os::unix::fs::symlink(outside.path().join("secret.bvh"), place.path().join("clips/link.bvh")).unwrap();
+            std::os::unix::fs::symlink(
+                outside.path().join("secret.bvh"),
+                place.path().join("clips/link.bvh"),
+            )
+            .unwrap();
             let error = folder.kept(Kind::Clip, "link.bvh", 100).unwrap_err().to_string();
             assert!(error.contains("outside"), "{error}");
         }

@@ -31,7 +31,11 @@ impl StrokeJournal {
     ///
     /// # Errors
     /// When the folder cannot be written to.
-    pub fn begin(folder: &Folder, mode: StrokeMode, timing: Option<CurveTiming>) -> Result<Self, StudioError> {
+    pub fn begin(
+        folder: &Folder,
+        mode: StrokeMode,
+        timing: Option<CurveTiming>,
+    ) -> Result<Self, StudioError> {
         let path = folder.file(NAME);
         let head = Head { mode, timing };
         let file = File::create(&path).map_err(|cause| StudioError::File { path: path.clone(), cause })?;

@@ -9,7 +9,7 @@ pub use history::HistoryState;
 pub use journal::StrokeJournal;
 
 use crate::StudioError;
-use crate::document::{Command, Document};
+use crate::document::{Command, Document, is_id};
 use history::{Entry, History};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -36,6 +36,8 @@ struct Saved {
 }
 
 const VERSION: u32 = 1;
+/// Ids that a project ever gives.
+const MOST_IDS: u64 = 1 << 53;
 
 impl Project {
     /// Opens the project of a folder, or begins one there. A stroke that was cut off is brought in as a step.
@@ -47,7 +49,8 @@ impl Project {
         let saved = match folder.read_json::<Saved>("project.json")? {
             Some(saved) if saved.version == VERSION => saved,
             Some(saved) => {
-                let what = format!("it has the form {}, and this program knows form {VERSION}", saved.version);
+                let what =
+                    format!("it has the form {}, and this program knows form {VERSION}", saved.version);
                 return Err(StudioError::Folder { path: path.to_path_buf(), what });
             }
             None => Saved {
@@ -59,12 +62,20 @@ impl Project {
             },
         };
         saved.document.check()?;
+        // Ids become names of files, also of files that are removed.
+        let steps = saved.history.undo.iter().chain(&saved.history.redo);
+        if saved.next >= MOST_IDS || !steps.into_iter().all(|step| is_id(&step.id)) {
+            let what = "its history names what is no step".to_string();
+            return Err(StudioError::Folder { path: path.to_path_buf(), what });
+        }
         let mut project = Self { folder, saved };
         project.save()?;
         if let Some(journal) = StrokeJournal::left_behind(&project.folder)? {
             // A stroke without a point is none.
             if let Some(control) = journal.control(project.document())? {
-                project.change("Draw", None, |document| document.apply(Command::SetControl { control: Some(control) }))?;
+                project.change("Draw", None, |document| {
+                    document.apply(Command::SetControl { control: Some(control) })
+                })?;
             }
             journal.remove()?;
         }
@@ -158,9 +169,22 @@ impl Project {
         })
     }
 
+    /// What was done cannot be undone any more.
+    ///
+    /// # Errors
+    /// When the folder cannot be written to.
+    pub fn forget_history(&mut self) -> Result<(), StudioError> {
+        let history = std::mem::take(&mut self.saved.history);
+        self.save()?;
+        let steps: Vec<String> = history.undo.into_iter().chain(history.redo).map(|step| step.id).collect();
+        self.forget(&steps);
+        Ok(())
+    }
+
     /// Puts the parts of a step in; those that were there are kept for the way back.
     fn swap(&mut self, id: &str, moved: impl FnOnce(&mut History, String)) -> Result<(), StudioError> {
-        let entry: Entry = self.folder.read_json(&history::file(id))?.ok_or_else(|| StudioError::unknown("step", id))?;
+        let entry: Entry =
+            self.folder.read_json(&history::file(id))?.ok_or_else(|| StudioError::unknown("step", id))?;
         let before = self.saved.clone();
         let parts = entry.parts.into_iter().map(|part| self.saved.document.put(part)).collect();
         self.saved.revision = self.saved.revision.wrapping_add(1);
@@ -177,7 +201,12 @@ impl Project {
     }
 
     /// Writes a step; returns those that are no longer needed.
-    fn add_step(&mut self, label: &str, gesture: Option<&str>, parts: Vec<crate::document::Part>) -> Result<Vec<String>, StudioError> {
+    fn add_step(
+        &mut self,
+        label: &str,
+        gesture: Option<&str>,
+        parts: Vec<crate::document::Part>,
+    ) -> Result<Vec<String>, StudioError> {
         let mut old: Vec<String> = self.saved.history.redo.drain(..).map(|step| step.id).collect();
         if let Some(last) = self.saved.history.undo.last()
             && gesture.is_some()
@@ -256,7 +285,9 @@ mod tests {
             assert!(on_disk.contains(&format!("drag {index}")), "{on_disk}");
         }
         let settings = Settings { seed: 3, ..Settings::default() };
-        project.change("Seed", Some("g1"), |document| document.apply(Command::SetSettings { settings })).unwrap();
+        project
+            .change("Seed", Some("g1"), |document| document.apply(Command::SetSettings { settings }))
+            .unwrap();
         assert_eq!(project.history().undo.len(), 2);
         project.undo().unwrap();
         assert_eq!((project.document().name.as_str(), project.document().settings.seed), ("start", 0));
@@ -307,6 +338,13 @@ mod tests {
         assert!(error.contains("notes.txt"), "{error}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
         std::fs::remove_file(folder.path().join("notes.txt")).unwrap();
+        drop(Project::open(folder.path()).unwrap());
+        let path = folder.path().join("project.json");
+        let saved = std::fs::read_to_string(&path).unwrap();
+        let step = "\"undo\":[{\"id\":\"../../notes\",\"label\":\"x\"}]";
+        std::fs::write(&path, saved.replace("\"undo\":[]", step)).unwrap();
+        let error = Project::open(folder.path()).unwrap_err().to_string();
+        assert!(error.contains("no step"), "{error}");
         std::fs::write(folder.path().join("project.json"), "{ \"version\": 1, ").unwrap();
         let error = Project::open(folder.path()).unwrap_err().to_string();
         assert!(error.contains("project.json"), "{error}");

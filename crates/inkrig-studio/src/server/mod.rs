@@ -80,7 +80,8 @@ impl Server {
     pub fn bind(options: ServeOptions) -> Result<Self, StudioError> {
         let ip = if options.lan { Ipv4Addr::UNSPECIFIED } else { Ipv4Addr::LOCALHOST };
         let failed = |cause| StudioError::Listen { port: options.port, cause };
-        let listener = std::net::TcpListener::bind(SocketAddr::new(IpAddr::V4(ip), options.port)).map_err(failed)?;
+        let listener =
+            std::net::TcpListener::bind(SocketAddr::new(IpAddr::V4(ip), options.port)).map_err(failed)?;
         listener.set_nonblocking(true).map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
         let studio = Studio::open(&options.project, options.threads.max(1))?;
@@ -148,7 +149,8 @@ impl Server {
             .build()
             .map_err(|error| internal(error.to_string()))?;
         runtime.block_on(async move {
-            let listener = tokio::net::TcpListener::from_std(listener).map_err(|error| internal(error.to_string()))?;
+            let listener =
+                tokio::net::TcpListener::from_std(listener).map_err(|error| internal(error.to_string()))?;
             connections::serve(listener, router(app)).await
         })
     }

@@ -4,6 +4,7 @@ use inkrig_studio::{Invitation, ServeOptions, Server};
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
+use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 use tungstenite::client::IntoClientRequest as _;
@@ -12,7 +13,7 @@ use tungstenite::{Message, WebSocket};
 /// A server on a folder that goes with it.
 pub(crate) struct Studio {
     pub(crate) port: u16,
-    pub(crate) invitations: Receiver<Invitation>,
+    invitations: Mutex<Receiver<Invitation>>,
     pub(crate) folder: tempfile::TempDir,
 }
 
@@ -48,7 +49,12 @@ impl Studio {
                 let _ = sender.send(invitation);
             })
         });
-        Self { port, invitations, folder }
+        Self { port, invitations: Mutex::new(invitations), folder }
+    }
+
+    /// The next invitation.
+    pub(crate) fn invitation(&self) -> Invitation {
+        self.invitations.lock().unwrap().recv_timeout(Duration::from_secs(20)).unwrap()
     }
 
     pub(crate) fn get(&self, path: &str) -> Answer {
@@ -69,7 +75,14 @@ impl Studio {
         self.ask_as(&host, method, path, headers, body)
     }
 
-    pub(crate) fn ask_as(&self, host: &str, method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Answer {
+    pub(crate) fn ask_as(
+        &self,
+        host: &str,
+        method: &str,
+        path: &str,
+        headers: &[(&str, &str)],
+        body: &[u8],
+    ) -> Answer {
         let mut head = format!("{method} {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n");
         for (name, value) in headers {
             head += &format!("{name}: {value}\r\n");
@@ -105,7 +118,9 @@ impl Studio {
         }
         match tungstenite::client(request, self.connect()) {
             Ok((socket, _)) => Ok(Live { socket }),
-            Err(tungstenite::HandshakeError::Failure(tungstenite::Error::Http(response))) => Err(response.status().as_u16()),
+            Err(tungstenite::HandshakeError::Failure(tungstenite::Error::Http(response))) => {
+                Err(response.status().as_u16())
+            }
             Err(error) => panic!("{error}"),
         }
     }

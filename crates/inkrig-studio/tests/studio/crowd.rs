@@ -24,7 +24,10 @@ fn a_crowd_and_a_slow_loris_do_not_stop_a_drawing_user() {
     // Uploads that stand still.
     for _ in 0..3 {
         let mut stream = studio.connect();
-        let head = format!("POST /api/clips?name=a.bvh HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nContent-Type: application/octet-stream\r\nContent-Length: 1000000\r\n\r\nHIER", studio.port);
+        let head = format!(
+            "POST /api/clips?name=a.bvh HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nContent-Type: application/octet-stream\r\nContent-Length: 1000000\r\n\r\nHIER",
+            studio.port
+        );
         let _ = stream.write_all(head.as_bytes());
         loris.push(stream);
     }
@@ -32,9 +35,7 @@ fn a_crowd_and_a_slow_loris_do_not_stop_a_drawing_user() {
     let points = spiral(5.0);
     let mut slowest = Duration::ZERO;
     std::thread::scope(|scope| {
-        let crowd: Vec<_> = (0..200)
-            .map(|_| scope.spawn(|| studio.get("/api/project").status))
-            .collect();
+        let crowd: Vec<_> = (0..200).map(|_| scope.spawn(|| studio.get("/api/project").status)).collect();
         for (index, chunk) in points.chunks(30).enumerate() {
             let begin = Instant::now();
             live.say(json!({"type": "points", "stroke": 1, "points": chunk}));
@@ -55,7 +56,10 @@ fn a_crowd_and_a_slow_loris_do_not_stop_a_drawing_user() {
     let mut gone = 0;
     for stream in &mut loris {
         stream.set_read_timeout(Some(Duration::from_millis(1))).unwrap();
-        gone += usize::from(matches!(stream.read(&mut [0; 1]), Ok(0)) || matches!(stream.read(&mut [0; 1]), Err(error) if error.kind() == std::io::ErrorKind::ConnectionReset));
+        gone += usize::from(
+            matches!(stream.read(&mut [0; 1]), Ok(0))
+                || matches!(stream.read(&mut [0; 1]), Err(error) if error.kind() == std::io::ErrorKind::ConnectionReset),
+        );
     }
     assert!(gone >= 80, "{gone}");
 }

@@ -11,15 +11,21 @@ fn uploads_stay_in_the_project_whatever_they_are_called() {
     let added = studio.upload("/api/clips?name=..%2F..%2F..%2Fetc%2Fcron.d%2Fsnake.bvh", bytes).good();
     let clip = &added["clips"][0];
     assert_eq!(clip["file"], format!("{}-snake.bvh", clip["id"].as_str().unwrap()));
-    let kept: Vec<_> = std::fs::read_dir(studio.folder.path().join("clips")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    let kept: Vec<_> = std::fs::read_dir(studio.folder.path().join("clips"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name())
+        .collect();
     assert_eq!(kept, [clip["file"].as_str().unwrap()]);
     let back = studio.get(&format!("/api/clips/{}/file", clip["id"].as_str().unwrap()));
     assert_eq!(back.body, bytes);
     assert_eq!(back.header("content-type"), Some("application/octet-stream"));
     assert_eq!(back.header("x-content-type-options"), Some("nosniff"));
     let detail = studio.get(&format!("/api/clips/{}", clip["id"].as_str().unwrap())).good();
-    assert_eq!(detail["skeleton"]["joints"].as_array().unwrap().len() as u64, detail["joints"].as_u64().unwrap());
-    assert!(!detail["skeleton"]["limbs"].as_array().unwrap().is_empty());
+    assert_eq!(
+        detail["skeleton"]["joints"].as_array().unwrap().len() as u64,
+        detail["joints"].as_u64().unwrap()
+    );
+    assert!(!detail["limbs"].as_array().unwrap().is_empty());
 }
 
 #[test]
@@ -79,10 +85,22 @@ fn the_page_is_served_packed_and_nothing_beside_it() {
     let index = studio.get("/");
     assert_eq!((index.status, index.header("content-type")), (200, Some("text/html; charset=utf-8")));
     let policy = index.header("content-security-policy").unwrap();
-    assert!(policy.contains("default-src 'none'") && policy.contains("frame-ancestors 'none'") && !policy.contains("unsafe-eval"));
+    assert!(
+        policy.contains("default-src 'none'")
+            && policy.contains("frame-ancestors 'none'")
+            && !policy.contains("unsafe-eval")
+    );
     assert_eq!(index.header("x-frame-options"), Some("DENY"));
     assert_eq!(studio.get("/assets/a.js").body, b"1");
-    for path in ["/../secret.txt", "/assets/../../secret.txt", "/%2e%2e/secret.txt", "//etc/passwd", "/..%2fsecret.txt", "/assets/..\\..\\secret.txt", "/nothing.js"] {
+    for path in [
+        "/../secret.txt",
+        "/assets/../../secret.txt",
+        "/%2e%2e/secret.txt",
+        "//etc/passwd",
+        "/..%2fsecret.txt",
+        "/assets/..\\..\\secret.txt",
+        "/nothing.js",
+    ] {
         let answer = studio.get(path);
         assert!(answer.status == 404 || answer.status == 400, "{path}: {answer:?}");
         assert!(!String::from_utf8_lossy(&answer.body).contains("secret"), "{path}");

@@ -1,17 +1,24 @@
 //! Other devices: a token once, then a cookie.
 
 use crate::client::Studio;
-use std::time::Duration;
 
 #[test]
 fn without_a_token_nothing_is_given() {
     let studio = Studio::with(true, None);
-    let invitation = studio.invitations.recv_timeout(Duration::from_secs(20)).unwrap();
+    let invitation = studio.invitation();
     let host = format!("studio.test:{}", studio.port);
     assert!(invitation.address.starts_with(&format!("http://{host}/?token=")), "{}", invitation.address);
     assert!(invitation.code.lines().count() > 10);
     let ask = |path: &str, headers: &[(&str, &str)]| studio.ask_as(&host, "GET", path, headers, b"");
-    for path in ["/", "/api/project", "/api/live", "/api/events", "/assets/a.js", "/?token=", "/?token=00000000000000000000000000000000"] {
+    for path in [
+        "/",
+        "/api/project",
+        "/api/live",
+        "/api/events",
+        "/assets/a.js",
+        "/?token=",
+        "/?token=00000000000000000000000000000000",
+    ] {
         let answer = ask(path, &[]);
         assert_eq!(answer.status, 401, "{path}");
         assert!(answer.header("set-cookie").is_none());
@@ -23,7 +30,8 @@ fn without_a_token_nothing_is_given() {
     let token = invitation.address.split("token=").nth(1).unwrap();
     // A token is for the page, not for the API.
     assert_eq!(ask(&format!("/api/project?token={token}"), &[]).status, 401);
-    let taken = ask(&format!("/?token={token}"), &[("Sec-Fetch-Site", "none"), ("Sec-Fetch-Mode", "navigate")]);
+    let taken =
+        ask(&format!("/?token={token}"), &[("Sec-Fetch-Site", "none"), ("Sec-Fetch-Mode", "navigate")]);
     assert_eq!((taken.status, taken.header("location")), (303, Some("/")), "it leaves the address bar");
     let cookie = taken.header("set-cookie").unwrap().to_string();
     assert!(cookie.contains("HttpOnly") && cookie.contains("SameSite=Strict"), "{cookie}");
@@ -35,6 +43,6 @@ fn without_a_token_nothing_is_given() {
     assert_eq!(ask("/api/project", &[("Cookie", pair), ("Origin", "http://evil.example")]).status, 403);
     assert_eq!(studio.ask_as("evil.example", "GET", "/api/project", &[("Cookie", pair)], b"").status, 403);
     // The next device gets a token of its own.
-    let next = studio.invitations.recv_timeout(Duration::from_secs(20)).unwrap();
+    let next = studio.invitation();
     assert_ne!(next.address, invitation.address);
 }

@@ -17,7 +17,14 @@ fn a_post_of_another_page_changes_nothing() {
     let own = format!("http://127.0.0.1:{}", studio.port);
     let json = ("Content-Type", "application/json");
     let tries: &[(&[(&str, &str)], u16)] = &[
-        (&[("Content-Type", "text/plain"), ("Origin", "http://evil.example"), ("Sec-Fetch-Site", "cross-site")], 403),
+        (
+            &[
+                ("Content-Type", "text/plain"),
+                ("Origin", "http://evil.example"),
+                ("Sec-Fetch-Site", "cross-site"),
+            ],
+            403,
+        ),
         (&[("Content-Type", "text/plain")], 415),
         (&[("Content-Type", "application/x-www-form-urlencoded")], 415),
         (&[], 415),
@@ -30,21 +37,44 @@ fn a_post_of_another_page_changes_nothing() {
         let answer = studio.ask("POST", "/api/project/commands", headers, body.as_bytes());
         assert_eq!(answer.status, *status, "{headers:?}");
     }
-    assert_eq!(studio.ask("OPTIONS", "/api/project", &[("Origin", "http://evil.example"), ("Access-Control-Request-Method", "POST")], b"").status, 403);
+    assert_eq!(
+        studio
+            .ask(
+                "OPTIONS",
+                "/api/project",
+                &[("Origin", "http://evil.example"), ("Access-Control-Request-Method", "POST")],
+                b""
+            )
+            .status,
+        403
+    );
     assert_eq!(revision(&studio), before);
-    let good = studio.ask("POST", "/api/project/commands", &[json, ("Origin", &own), ("Sec-Fetch-Site", "same-origin")], body.as_bytes());
+    let good = studio.ask(
+        "POST",
+        "/api/project/commands",
+        &[json, ("Origin", &own), ("Sec-Fetch-Site", "same-origin")],
+        body.as_bytes(),
+    );
     assert_eq!(good.good()["revision"].as_u64(), Some(before + 1));
 }
 
 #[test]
 fn a_name_that_others_point_here_is_refused() {
     let studio = Studio::open();
-    for host in ["evil.example".to_string(), format!("evil.example:{}", studio.port), "127.0.0.1:1".into(), format!("192.168.0.2:{}", studio.port)] {
+    for host in [
+        "evil.example".to_string(),
+        format!("evil.example:{}", studio.port),
+        "127.0.0.1:1".into(),
+        format!("192.168.0.2:{}", studio.port),
+    ] {
         for path in ["/", "/api/project", "/api/events", "/api/live"] {
             assert_eq!(studio.ask_as(&host, "GET", path, &[], b"").status, 403, "{host} {path}");
         }
     }
-    assert_eq!(studio.ask_as(&format!("localhost:{}", studio.port), "GET", "/api/project", &[], b"").status, 200);
+    assert_eq!(
+        studio.ask_as(&format!("localhost:{}", studio.port), "GET", "/api/project", &[], b"").status,
+        200
+    );
     let mut stream = studio.connect();
     write!(stream, "GET /api/project HTTP/1.0\r\n\r\n").unwrap();
     assert_eq!(answer(stream).status, 403, "no host at all");
@@ -71,7 +101,10 @@ fn a_live_connection_is_for_our_own_page() {
 fn uploads_beyond_64_mib_are_refused_before_they_are_read() {
     let studio = Studio::open();
     let head = |length: &str| {
-        format!("POST /api/clips?name=a.bvh HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nContent-Type: application/octet-stream\r\nConnection: close\r\n{length}\r\n\r\n", studio.port)
+        format!(
+            "POST /api/clips?name=a.bvh HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nContent-Type: application/octet-stream\r\nConnection: close\r\n{length}\r\n\r\n",
+            studio.port
+        )
     };
     // Announced: refused at once.
     let mut stream = studio.connect();
@@ -83,7 +116,9 @@ fn uploads_beyond_64_mib_are_refused_before_they_are_read() {
     stream.write_all(head("Transfer-Encoding: chunked").as_bytes()).unwrap();
     let chunk = vec![b' '; 1 << 20];
     for _ in 0..65 {
-        let sent = write!(stream, "{:x}\r\n", chunk.len()).and_then(|()| stream.write_all(&chunk)).and_then(|()| stream.write_all(b"\r\n"));
+        let sent = write!(stream, "{:x}\r\n", chunk.len())
+            .and_then(|()| stream.write_all(&chunk))
+            .and_then(|()| stream.write_all(b"\r\n"));
         if sent.is_err() {
             break;
         }

@@ -29,12 +29,16 @@ pub(super) fn run(args: &StudioArgs, console: &Console) -> Result<(), CliError> 
         threads: threads(args.threads),
     })
     .map_err(studio)?;
+    if args.files.is_empty() {
+        server.studio().begin_with("person").map_err(studio)?;
+    }
     for file in &args.files {
         add(&server, file, console)?;
     }
     let address = server.address();
     console.say(format!("inkrig studio: {address}"))?;
-    console.say(format!("project: {} (saved at every change; Ctrl+C ends)", printable::path(&args.project)))?;
+    console
+        .say(format!("project: {} (saved at every change; Ctrl+C ends)", printable::path(&args.project)))?;
     if !server.has_page() {
         console.warn("this inkrig was built without the studio's page: build it with `cargo xtask studio`");
     }
@@ -65,7 +69,8 @@ pub(super) fn run(args: &StudioArgs, console: &Console) -> Result<(), CliError> 
 fn add(server: &Server, file: &Path, console: &Console) -> Result<(), CliError> {
     let bytes = load::motion_bytes(file)?;
     let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let warnings = server.add_file(&name, &bytes).map_err(|cause| CliError::Studio { cause: Box::new(cause) })?;
+    let warnings =
+        server.add_file(&name, &bytes).map_err(|cause| CliError::Studio { cause: Box::new(cause) })?;
     for warning in warnings {
         console.warn(&format!("{}: {warning}", printable::path(file)));
     }
