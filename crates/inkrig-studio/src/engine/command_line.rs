@@ -64,8 +64,7 @@ pub(crate) fn command_line(
         }
         Control::Labels { segments } => {
             let one = |segment: &crate::document::LabelSegment| {
-                let plain =
-                    segment.name.chars().all(|letter| letter.is_alphanumeric()) && !segment.name.is_empty();
+                let plain = segment.name.chars().all(char::is_alphanumeric) && !segment.name.is_empty();
                 let name = if plain {
                     segment.name.clone()
                 } else {
@@ -148,7 +147,7 @@ pub(crate) fn command_line(
         });
         match (key.kind, place, pose) {
             (KeyKind::Hard, Some(place), Some(pose)) => {
-                add(format!("--key {}", quoted(&format!("{place}={pose}"))))
+                add(format!("--key {}", quoted(&format!("{place}={pose}"))));
             }
             (KeyKind::Soft, Some(place), Some(pose)) => {
                 let weight = key.weight.unwrap_or(0.5);

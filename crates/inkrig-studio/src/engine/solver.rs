@@ -410,7 +410,7 @@ impl Worker {
         let done = self.solve(&job);
         let mut work = self.inbox.lock();
         work.current = None;
-        let stopped = work.cancelled.iter().any(|id| *id == job.id);
+        let stopped = work.cancelled.contains(&job.id);
         work.cancelled.retain(|id| *id != job.id);
         let outcome = match done {
             Ok(ids) => Ok(ids),
@@ -524,7 +524,7 @@ impl Worker {
 
     fn progress(&self, job: &Job, progress: Progress, told: &mut Instant) -> ControlFlow<()> {
         let mut work = self.inbox.lock();
-        if work.stop || work.cancelled.iter().any(|id| *id == job.id) || work.live.is_some() {
+        if work.stop || work.cancelled.contains(&job.id) || work.live.is_some() {
             return ControlFlow::Break(());
         }
         // A newer document is there.

@@ -72,7 +72,7 @@ fn add(server: &Server, file: &Path, console: &Console) -> Result<(), CliError> 
     let warnings =
         server.add_file(&name, &bytes).map_err(|cause| CliError::Studio { cause: Box::new(cause) })?;
     for warning in warnings {
-        console.warn(&format!("{}: {warning}", printable::path(file)));
+        console.warn(format!("{}: {warning}", printable::path(file)));
     }
     Ok(())
 }
