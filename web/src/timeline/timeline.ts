@@ -106,6 +106,7 @@ export class Timeline {
     }
     this.session.player.pause();
     this.#drag = { kind: 'scrub' };
+    this.ui.pointed.value = null;
     this.session.player.seek(this.scale.time(x));
   }
 
