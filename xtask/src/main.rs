@@ -38,7 +38,7 @@ Examples:
   cargo xtask samples                 make the files in samples/ again
   cargo xtask fuzz --seconds 60       each fuzz test for a minute
   cargo xtask interop                 Blender, usd-core and three.js read our files (fetches 400 MB, once)
-  cargo xtask studio -- --open        build the studio's page and the program, and open it
+  cargo xtask studio --open           build the studio's page and the program, and open it
   cargo xtask bench -- dense          the benchmarks with `dense` in their name
 
 Environment:
@@ -103,7 +103,7 @@ enum Command {
     /// Build the studio's page and the program, and run the studio
     Studio {
         /// Options and files for `inkrig studio`
-        #[arg(last = true)]
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
         arguments: Vec<String>,
     },
     /// Check that training still builds for graphics processors, or say what is missing
