@@ -19,19 +19,12 @@ use inkrig_motion::{
 fn walks_need_a_quarter_of_their_keys() {
     let Some(files) = common::reference_files("bvh") else { return };
     // The last is short, quick, and noisier than the others.
-    let walks = [
-        ("07/07_02", 25),
-        ("07/07_03", 25),
-        ("35/35_01", 25),
-        ("35/35_12", 25),
-        ("35/35_29", 25),
-        ("07/07_12", 30),
-    ];
+    let walks = ["07/07_02", "07/07_03", "35/35_01", "35/35_12", "35/35_29", "07/07_12"];
     println!(
         "{:<10}{:>8}{:>10}{:>8}{:>8}{:>8}{:>8}{:>9}{:>8}",
         "walk", "frames", "channels", "dense", "keys", "%", "mm", "degrees", "smooth"
     );
-    for (name, most) in walks {
+    for name in walks {
         let path = files.iter().find(|file| file.ends_with(format!("cmu/{name}.bvh"))).unwrap();
         let clip = read_bvh(&std::fs::read(path).unwrap(), &ImportOptions::default()).unwrap().clip;
         // In some channels nothing moves but from the rest pose to the walk.
@@ -55,6 +48,6 @@ fn walks_need_a_quarter_of_their_keys() {
             count.smooth as f64 / count.keys as f64
         );
         assert!(apart.metres <= 1e-3 && apart.radians <= 0.5_f64.to_radians(), "{name}: {apart:?}");
-        assert!(100 * count.keys <= most * count.dense, "{name}: {count:?}");
+        assert!(4 * count.keys <= count.dense, "{name}: {count:?}");
     }
 }

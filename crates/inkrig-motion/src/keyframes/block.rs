@@ -36,7 +36,8 @@ pub(super) fn thin(
     }
     for (reference, knots) in references.iter().zip(&mut all).filter(|(reference, _)| !reference.still).rev()
     {
-        thinner.take_out(reference, knots);
+        thinner.centre(reference, knots.first().map_or([0.0; 4], |knot| knot.value));
+        thinner.refine(reference, knots);
         thinner.smooth(reference, knots);
     }
     all
@@ -66,24 +67,27 @@ fn heights(skeleton: &Skeleton, references: &[Reference]) -> Vec<usize> {
     heights
 }
 
-struct Thinner<'s> {
+pub(super) struct Thinner<'s> {
     body: Body<'s>,
     /// Frame that the body begins with.
-    first: usize,
-    form: RotationForm,
+    pub(super) first: usize,
+    pub(super) form: RotationForm,
     allowed: Allowed,
     /// Frames that must be keys.
-    given: Vec<bool>,
+    pub(super) given: Vec<bool>,
     /// What the channel should do, from the body's first sample on.
-    target: Vec<Numbers>,
-    weights: Vec<f64>,
+    pub(super) target: Vec<Numbers>,
+    pub(super) weights: Vec<f64>,
 }
 
 /// What part of the tolerance the joint on which all others hang may spend; those at the ends may spend it all.
 const FIRST: f64 = 0.6;
 
 /// Longest way between two keys, frames.
-const LONGEST: usize = 120;
+pub(super) const LONGEST: usize = 120;
+
+/// Up to so many frames a piece is compared with others that take as many keys.
+const SHORT: usize = 24;
 
 /// So many lengths in a row that cannot be bridged end the search for a longer one.
 const HOPELESS: usize = 5;
@@ -92,22 +96,36 @@ const HOPELESS: usize = 5;
 const FITS: usize = 7;
 
 impl Thinner<'_> {
-    /// The fewest keys of a channel, every frame being looked at for one (shortest path), and makes it so.
+    /// The fewest keys of a channel, every frame being looked at for one, and of those the ones that leave least to the
+    /// joints below (shortest path), and makes it so.
     fn fewest(&mut self, reference: &Reference, before: Numbers, scope: Scope) -> Vec<Knot> {
         self.aim(reference, before);
         let values: Vec<Numbers> = self.target.iter().step_by(SAMPLES).copied().collect();
         let last = values.len() - 1;
-        // For each frame how many keys lead to it, and the curve from the one before.
-        let mut ways: Vec<Option<(usize, Piece)>> = vec![None; last + 1];
+        // For each frame how many keys lead to it, the squares of all errors until then, and the curve from the key before.
+        let mut ways: Vec<Option<(usize, f64, Piece)>> = vec![None; last + 1];
         for from in 0..last {
-            let keys = ways[from].map_or(0, |(keys, _)| keys);
+            let (keys, spent) = ways[from].map_or((0, 0.0), |(keys, spent, _)| (keys, spent));
             let mut failed = 0;
             for to in from + 1..=last.min(from + LONGEST) {
-                if ways[to].is_none_or(|(least, _)| keys + 1 < least) {
+                // Long pieces are taken as they are found: to compare them all takes too long.
+                let choosy = to - from <= SHORT;
+                let better = |spent: f64, way: Option<(usize, f64, Piece)>| {
+                    way.is_none_or(|(least, lost, _)| {
+                        keys + 1 < least || (choosy && keys + 1 == least && spent < lost)
+                    })
+                };
+                if better(spent, ways[to]) {
                     let slopes = [slope(&values, from), slope(&values, to)];
                     let mut piece = Piece { length: to - from, from: values[from], to: values[to], slopes };
                     if self.fitted(reference, &mut piece, from, scope) {
-                        ways[to] = Some((keys + 1, piece));
+                        let errors = piece.samples().zip(from * SAMPLES..);
+                        let squares =
+                            errors.map(|(value, at)| self.error(reference, at, value, scope).powi(2));
+                        let spent = spent + squares.sum::<f64>();
+                        if better(spent, ways[to]) {
+                            ways[to] = Some((keys + 1, spent, piece));
+                        }
                         failed = 0;
                     } else {
                         failed += 1;
@@ -121,7 +139,7 @@ impl Thinner<'_> {
         let mut knots = Vec::new();
         let (mut frame, mut after) = (last, None);
         loop {
-            let before = ways[frame].map(|(_, piece)| piece);
+            let before = ways[frame].map(|(_, _, piece)| piece);
             let slopes = [before.map(|piece| piece.slopes[1]), after];
             knots.push(Knot {
                 frame: self.first + frame,
@@ -176,8 +194,18 @@ impl Thinner<'_> {
     }
 
     /// Finds what the channel should do; angles run on from those before.
-    fn aim(&mut self, reference: &Reference, mut before: Numbers) {
+    fn aim(&mut self, reference: &Reference, before: Numbers) {
         self.target = self.body.target(reference, self.first * SAMPLES, self.allowed);
+        self.number(reference, before);
+    }
+
+    /// Finds what the channel should do while all others stay what they are.
+    fn centre(&mut self, reference: &Reference, before: Numbers) {
+        self.target = self.body.centre(reference, self.first * SAMPLES, self.allowed);
+        self.number(reference, before);
+    }
+
+    fn number(&mut self, reference: &Reference, mut before: Numbers) {
         for value in self.target.iter_mut().filter(|_| reference.turns) {
             *value = numbers(self.form, value, before);
             before = *value;
@@ -196,34 +224,15 @@ impl Thinner<'_> {
         }
     }
 
-    fn error(&self, reference: &Reference, sample: usize, value: Numbers, scope: Scope) -> f64 {
+    pub(super) fn error(&self, reference: &Reference, sample: usize, value: Numbers, scope: Scope) -> f64 {
         let value = self.pose(reference, value);
         self.body.error(reference, (sample, self.first * SAMPLES), &value, (self.allowed, scope))
     }
 
-    fn set(&mut self, reference: &Reference, piece: &Piece, frame: usize) {
+    pub(super) fn set(&mut self, reference: &Reference, piece: &Piece, frame: usize) {
         let start = (frame - self.first) * SAMPLES;
         let values: Vec<Numbers> = piece.samples().map(|value| self.pose(reference, value)).collect();
         self.body.set(reference, start, values.into_iter());
-    }
-
-    /// Takes out keys where the whole body stays where it should be.
-    fn take_out(&mut self, reference: &Reference, knots: &mut Vec<Knot>) {
-        self.aim(reference, knots.first().map_or([0.0; 4], |knot| knot.value));
-        let mut index = 1;
-        while index + 1 < knots.len() {
-            let (before, after) = (knots[index - 1], knots[index + 1]);
-            let mut piece = Piece::between(&before, &after);
-            let free = !self.given[knots[index].frame - self.first] && piece.length <= LONGEST;
-            if free && self.fitted(reference, &mut piece, before.frame - self.first, Scope::All) {
-                self.set(reference, &piece, before.frame);
-                knots[index - 1].slope_out = piece.slopes[0];
-                knots[index + 1].slope_in = piece.slopes[1];
-                knots.remove(index);
-            } else {
-                index += 1;
-            }
-        }
     }
 
     /// Takes the corners out of a curve where the body stays where it should be without them.

@@ -123,6 +123,42 @@ impl<'s> Body<'s> {
         if worse || !turn.is_finite() { DVec3::ZERO } else { turn }
     }
 
+    /// What a joint would have to do so that all that hangs on it is on the whole nearest to where it should be, and the
+    /// joint to its own rotation, while all others do what they do (least squares by what is allowed, for small turns).
+    pub(super) fn centre(&self, reference: &Reference, offset: usize, allowed: Allowed) -> Vec<Numbers> {
+        let (joint, joints) = (reference.joint, self.skeleton.len());
+        let samples = self.now.chunks(joints).zip(self.wanted.chunks(joints));
+        let values = samples.zip(reference.samples.iter().skip(offset)).map(|((now, wanted), local)| {
+            let above = self.above(joint, now);
+            let below = &self.below[joint];
+            if !reference.turns {
+                let apart = |joint: usize| wanted[joint].place - now[joint].place;
+                let mean = (apart(joint) + below.iter().map(|&other| apart(other)).sum::<DVec3>())
+                    / (below.len() + 1) as f64;
+                let DVec3 { x, y, z } = above.turn.inverse() * (now[joint].place + mean - above.place);
+                return [x, y, z, 0.0];
+            }
+            // What its own rotation should be where the joints above are.
+            let own = above.turn * DQuat::from_array(*local);
+            let weight = (allowed.metres / allowed.radians).powi(2);
+            let mut matrix = DMat3::from_diagonal(DVec3::splat(weight));
+            let off = now[joint].turn * own.inverse();
+            let mut moment = weight * if off.w < 0.0 { -off } else { off }.to_scaled_axis();
+            for &other in below {
+                let arm = now[other].place - now[joint].place;
+                matrix += DMat3::from_diagonal(DVec3::splat(arm.length_squared()))
+                    - DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
+                moment += arm.cross(now[other].place - wanted[other].place);
+            }
+            let turn = -(matrix.inverse() * moment);
+            let turn = if turn.is_finite() { turn } else { DVec3::ZERO };
+            let turn = above.turn.inverse() * DQuat::from_scaled_axis(turn) * now[joint].turn;
+            let same_sign = turn.dot(DQuat::from_array(*local)) >= 0.0;
+            unit((if same_sign { turn } else { -turn }).to_array())
+        });
+        values.collect()
+    }
+
     fn above(&self, joint: usize, pose: &[Placed]) -> Placed {
         self.skeleton.joints()[joint].parent.map_or(ORIGIN, |parent| pose[parent])
     }
@@ -216,7 +252,7 @@ const ORIGIN: Placed = Placed { place: DVec3::ZERO, turn: DQuat::IDENTITY };
 const SHORT: f64 = 0.3;
 
 /// How much more is allowed half way between two frames than on them.
-const BETWEEN: f64 = 2.0;
+const BETWEEN: f64 = 2.5;
 
 struct Moved {
     pivot: DVec3,

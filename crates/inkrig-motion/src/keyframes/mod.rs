@@ -9,7 +9,9 @@ mod body;
 mod deviation;
 mod fit;
 mod reference;
+mod refine;
 mod sparse;
+mod spline;
 mod stepped;
 
 pub use deviation::{Deviation, deviation};
