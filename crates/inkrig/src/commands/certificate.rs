@@ -217,7 +217,7 @@ impl CertificateRecord {
                 format!("{}; {}", of(self.trunk_degrees), wanted(self.limits.trunk_p95_degrees)),
             ),
             figure(
-                "hips, shoulders tilt",
+                "hips tilt off",
                 format!("{} degrees (P95)", fixed(self.across_degrees.p95, 1)),
                 format!("{}; {}", of(self.across_degrees), wanted(self.limits.across_p95_degrees)),
             ),
