@@ -17,6 +17,7 @@ pub use conditions::{ConditionEncoder, Domain};
 pub use denoiser::{Adapter, ControlNet, Corrections, Denoiser, Noisy, Work};
 pub use embedding::{guidance_waves, timestep_waves};
 pub(crate) use linear::Linear;
+pub(crate) use names::POSE;
 pub use names::{Parts, TensorSpec, tensors};
 pub use sizes::Sizes;
 pub use vae::{Decoding, Encoded, Vae};

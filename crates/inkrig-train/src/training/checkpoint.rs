@@ -18,6 +18,8 @@ const MOST_BYTES: u64 = 8 << 30;
 pub(super) struct Checkpoint {
     pub weights: Vec<f32>,
     pub moments: Moments,
+    /// Mean of the weights along the way, where one is kept.
+    pub average: Option<Vec<f32>>,
     pub state: State,
 }
 
@@ -28,7 +30,7 @@ pub(super) struct State {
     pub settings: String,
     /// Seconds of training so far.
     pub seconds: f64,
-    /// The best measurement, millimetres, and its step.
+    /// The best measurement and its step.
     pub best: Option<(f64, u64)>,
     /// Steps that were taken; the same as the optimiser's.
     pub step: u64,
@@ -40,9 +42,10 @@ impl Checkpoint {
         let state = serde_json::to_string(&self.state).map_err(|error| content(error.to_string()))?;
         let rows =
             [("weights", &self.weights), ("mean", &self.moments.mean), ("square", &self.moments.square)];
+        let rows = rows.into_iter().chain(self.average.as_ref().map(|average| ("average", average)));
         let bytes: Vec<(&str, Vec<u8>)> = rows
             .map(|(name, row)| (name, row.iter().flat_map(|number| number.to_le_bytes()).collect()))
-            .into();
+            .collect();
         let views = bytes.iter().map(|(name, bytes)| {
             TensorView::new(Dtype::F32, vec![bytes.len() / 4], bytes).map(|view| (*name, view))
         });
@@ -85,10 +88,13 @@ impl Checkpoint {
             Ok(row)
         };
         let (weights, mean, square) = (row("weights")?, row("mean")?, row("square")?);
-        if mean.len() != weights.len() || square.len() != weights.len() {
+        let average =
+            if tensors.names().contains(&"average") { Some(row("average")?) } else { None };
+        let others = [Some(&mean), Some(&square), average.as_ref()];
+        if others.into_iter().flatten().any(|row| row.len() != weights.len()) {
             return Err(content("is damaged"));
         }
-        Ok(Some(Self { weights, moments: Moments { step: state.step, mean, square }, state }))
+        Ok(Some(Self { weights, moments: Moments { step: state.step, mean, square }, average, state }))
     }
 }
 
@@ -104,9 +110,13 @@ mod tests {
         let mut moments = Moments::new(3);
         moments.step = 7;
         let state = State { step: 7, best: Some((41.5, 5)), ..State::default() };
-        let checkpoint = Checkpoint { weights: vec![1.0, -2.5, 3e-9], moments, state };
+        let average = Some(vec![0.5, 0.25, 0.0]);
+        let checkpoint = Checkpoint { weights: vec![1.0, -2.5, 3e-9], moments, average, state };
         checkpoint.write(&path).unwrap();
         assert_eq!(Checkpoint::read(&path).unwrap(), Some(checkpoint.clone()));
+        let plain = Checkpoint { average: None, ..checkpoint.clone() };
+        plain.write(&path).unwrap();
+        assert_eq!(Checkpoint::read(&path).unwrap(), Some(plain));
         let bytes = std::fs::read(&path).unwrap();
         for length in [0, 10, bytes.len() - 1] {
             std::fs::write(&path, &bytes[..length]).unwrap();

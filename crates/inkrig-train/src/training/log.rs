@@ -2,6 +2,7 @@
 
 use crate::TrainError;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
 
@@ -12,22 +13,22 @@ pub struct Row {
     pub step: u64,
     /// Mean of what was made small, since the last line.
     pub loss: f64,
-    /// Its part of the features.
-    pub features: f64,
-    /// Its part of the joints' places, metres.
-    pub places: f64,
-    /// Its part of the divergence, before its weight.
-    pub divergence: f64,
     /// Mean length of the gradient before it was clipped.
     pub gradient: f64,
     /// Rate of the last step.
     pub rate: f64,
-    /// Held-out clips: mean distance of joints after encoding and decoding, millimetres.
-    pub held_out_mm: f64,
-    /// The same with the pelvis at its place.
-    pub held_out_aligned_mm: f64,
     /// Seconds of training, earlier runs included.
     pub seconds: f64,
+    /// The loss' parts by their names, and what was measured on held-out clips, whose names begin with `held_out`.
+    #[serde(flatten)]
+    pub values: BTreeMap<String, f64>,
+}
+
+impl Row {
+    /// A part or a measurement by its name.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.values.get(name).copied()
+    }
 }
 
 /// Adds a line.

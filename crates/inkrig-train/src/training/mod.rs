@@ -6,17 +6,26 @@
 
 mod adamw;
 mod checkpoint;
+mod course;
+mod denoiser;
 mod flat;
+mod latents;
 mod log;
+mod motions;
 mod rate;
 mod reconstruction;
+mod run;
 mod settings;
+mod stage;
 mod vae;
 mod weights_file;
 mod windows;
 
+pub use course::Course;
+pub use denoiser::{DenoiserSettings, train_denoiser};
 pub use log::Row;
 pub use reconstruction::{Reconstruction, reconstruction};
+pub use run::{OnStep, Place, Report};
 pub use settings::VaeSettings;
-pub use vae::{OnStep, Report, train_vae};
+pub use vae::train_vae;
 pub use windows::{Batch, Windows};

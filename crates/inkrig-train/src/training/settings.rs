@@ -1,5 +1,6 @@
 //! What a run of training is told.
 
+use super::course::{Course, broken, is_share};
 use crate::TrainError;
 use crate::corpus::read_text;
 use inkrig_generate::networks::Sizes;
@@ -111,34 +112,37 @@ impl VaeSettings {
         let sizes = Sizes { latent_tokens: self.latent_tokens.unwrap_or(named.latent_tokens), ..named };
         sizes.check().map_err(|error| error.to_string())?;
         let most = sizes.most_frames();
-        let share = |value: f64| (0.0..=1.0).contains(&value);
-        let rules = [
-            ("steps", self.steps > 0, "1 or more".to_string()),
-            ("batch", (1..=4096).contains(&self.batch), "1 to 4096".into()),
-            ("rate", self.rate > 0.0 && self.rate <= 1.0, "above 0, at most 1".into()),
-            (
-                "betas",
-                share(self.betas.0) && share(self.betas.1) && self.betas.0.max(self.betas.1) < 1.0,
-                "from 0 to below 1".into(),
-            ),
-            ("weight_decay", share(self.weight_decay), "0 to 1".into()),
-            ("clip", self.clip > 0.0, "above 0".into()),
-            ("dropout", (0.0..1.0).contains(&self.dropout), "from 0 to below 1".into()),
+        self.course().check()?;
+        broken([
+            ("dropout", (0.0..1.0).contains(&self.dropout), "from 0 to below 1".to_string()),
             ("divergence", self.divergence >= 0.0 && self.divergence.is_finite(), "0 or more".into()),
             ("places", self.places >= 0.0 && self.places.is_finite(), "0 or more".into()),
-            ("noise_from", share(self.noise_from), "0 to 1".into()),
-            ("noise_until", share(self.noise_until), "0 to 1".into()),
+            ("noise_from", is_share(self.noise_from), "0 to 1".into()),
+            ("noise_until", is_share(self.noise_until), "0 to 1".into()),
             ("frames", (2..=most).contains(&self.frames), format!("2 to {most}")),
-            ("other_lengths", share(self.other_lengths), "0 to 1".into()),
+            ("other_lengths", is_share(self.other_lengths), "0 to 1".into()),
             ("shortest", (2..=self.longest).contains(&self.shortest), "2 to longest".into()),
             ("longest", self.longest <= most, format!("at most {most}")),
-            ("balance", share(self.balance), "0 to 1".into()),
-            ("measure_every", self.measure_every > 0, "1 or more".into()),
-            ("save_every", self.save_every > 0, "1 or more".into()),
-        ];
-        match rules.into_iter().find(|(_, fits, _)| !fits) {
-            Some((name, _, range)) => Err(format!("{name} is out of range: give {range}")),
-            None => Ok(sizes),
+            ("balance", is_share(self.balance), "0 to 1".into()),
+        ])?;
+        Ok(sizes)
+    }
+
+    /// What all stages are told. The settings of this one are flat, as they stand in its checkpoints.
+    pub(super) fn course(&self) -> Course {
+        Course {
+            steps: self.steps,
+            batch: self.batch,
+            rate: self.rate,
+            warm_up: self.warm_up,
+            betas: self.betas,
+            weight_decay: self.weight_decay,
+            clip: self.clip,
+            average: 0.0,
+            measure_every: self.measure_every,
+            save_every: self.save_every,
+            patience: self.patience,
+            seed: self.seed,
         }
     }
 

@@ -1,10 +1,10 @@
 //! Pieces of the corpus, normalised, for training.
 
+use super::motions;
 use crate::TrainError;
 use crate::corpus::{Manifest, Split};
 use inkrig_generate::schedule::Noise;
 use inkrig_motion::humanml::{Statistics, WIDTH};
-use std::collections::HashMap;
 
 /// The clips of a split in memory, normalised.
 #[derive(Debug, Clone)]
@@ -37,40 +37,15 @@ impl Windows {
         mirrored: bool,
         balance: f64,
     ) -> Result<Self, TrainError> {
-        let mut by_action: HashMap<&str, f64> = HashMap::new();
-        let own = || manifest.entries().iter().filter(|entry| entry.split == split);
-        for entry in own() {
-            for action in &entry.actions {
-                *by_action.entry(action).or_default() += entry.frames as f64;
-            }
-        }
-        let all: f64 = own().map(|entry| entry.frames as f64).sum();
-        let (mut clips, mut upto, mut sum) = (Vec::new(), Vec::new(), 0.0);
-        for (path, entries) in manifest.parts(split) {
-            let part = Manifest::read_part(&path, entries)?;
-            for entry in entries {
-                let rarest =
-                    entry.actions.iter().filter_map(|action| by_action.get(action.as_str())).copied();
-                let common = rarest.fold(all, f64::min).max(1.0) / all;
-                let weight = entry.frames as f64 * common.powf(-balance);
-                let Some(clip) = part.clips.get(entry.index) else { continue };
-                let tables = [Some(&clip.prepared.features), mirrored.then_some(&clip.prepared.mirrored)];
-                for table in tables.into_iter().flatten() {
-                    let mut numbers = table.as_slice().to_vec();
-                    statistics.normalise(&mut numbers);
-                    sum += weight;
-                    clips.push(numbers);
-                    upto.push(sum);
-                }
-            }
-        }
-        if clips.is_empty() {
-            return Err(TrainError::Device(format!(
-                "the corpus has no clips of the split `{}`",
-                split.name()
-            )));
-        }
-        Ok(Self { clips, upto })
+        let motions = motions::read(manifest, split, statistics, mirrored, balance)?;
+        let mut sum = 0.0;
+        let weights = motions.iter().map(|motion| motion.frames() as f64 * motion.weight);
+        let upto = weights.map(|weight| {
+            sum += weight;
+            sum
+        });
+        let upto = upto.collect();
+        Ok(Self { clips: motions.into_iter().map(|motion| motion.rows).collect(), upto })
     }
 
     /// How many clips there are, mirror images included.

@@ -13,6 +13,11 @@ Examples:
 
 Stop at any moment: nothing but the steps since the last checkpoint is lost.";
 
+pub(super) const DENOISER_EXAMPLES: &str = "\
+Examples:
+  inkrig train denoiser --vae runs/vae/best.safetensors --corpus corpus -o runs/denoiser
+      then: inkrig generate --model runs/denoiser/best.safetensors --word walk -o walk.bvh";
+
 /// Arguments of `inkrig train`.
 #[derive(Debug, Args)]
 pub struct TrainArgs {
@@ -31,6 +36,16 @@ pub enum TrainStage {
         /// Where and how long.
         run: RunArgs,
     },
+    /// The denoiser and the vectors of verbs, on latents of a finished autoencoder
+    #[command(after_help = DENOISER_EXAMPLES)]
+    Denoiser {
+        /// The autoencoder: a model file that inkrig train vae wrote
+        #[arg(long, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
+        vae: PathBuf,
+        #[command(flatten)]
+        /// Where and how long.
+        run: RunArgs,
+    },
 }
 
 /// Where and how long to train.
@@ -45,6 +60,9 @@ pub struct RunArgs {
     /// Settings that differ from the usual ones
     #[arg(long, value_name = "FILE.toml", value_hint = ValueHint::FilePath)]
     pub config: Option<PathBuf>,
+    /// Weights to begin with, of an earlier run whose checkpoint is gone; its rate rises anew
+    #[arg(long, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
+    pub from: Option<PathBuf>,
     /// Stop after so many minutes, to go on later
     #[arg(long, value_name = "MINUTES", value_parser = numbers::minutes, allow_negative_numbers = true)]
     pub minutes: Option<f64>,

@@ -1,0 +1,361 @@
+//! The second stage: the denoiser and the vectors of verbs, on latents of a finished autoencoder.
+
+use super::course::{Course, Settings, broken, is_share, read_settings};
+use super::latents::{Cut, Drawing, Latents, windows};
+use super::motions;
+use super::run::{OnStep, Place, Report, run};
+use super::stage::{Loss, Stage, network, seed_of};
+use super::weights_file::{merged, named, read_weights, write_weights};
+use crate::TrainError;
+use crate::corpus::{Manifest, Split};
+use burn::module::Module;
+use burn::tensor::{Device, Tensor, TensorData};
+use inkrig_generate::checkpoint::ModelHeader;
+use inkrig_generate::networks::{Denoiser, Noisy, Parts, Sizes, Vae, Work};
+use inkrig_generate::schedule::{Noise, NoiseSchedule, STEPS};
+use inkrig_generate::text::{VERBS, VerbTable};
+use inkrig_generate::trainable::{NoisyBatch, TimeWaves, TrainableDenoiser, TrainableVerbs};
+use inkrig_generate::weights::{Tensor as Plain, Tensors, random};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Held-out windows that are measured, and timesteps of each.
+const MEASURED: (usize, usize) = (384, 4);
+/// Deviation of the verbs' vectors to begin with.
+const VERB_DEVIATION: f32 = 0.5;
+
+/// How the denoiser is trained.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DenoiserSettings {
+    /// Steps, rates, measurements.
+    pub course: Course,
+    /// Share of numbers that are dropped.
+    pub dropout: f64,
+    /// Share of samples that lose their text, so that there is a prediction without.
+    pub text_dropped: f64,
+    /// Frames of most windows.
+    pub frames: usize,
+    /// Frames from one window to the next.
+    pub stride: usize,
+    /// One more window, of another length, for this share of them.
+    pub other_lengths: f64,
+    /// The shortest of those.
+    pub shortest: usize,
+    /// The longest of those.
+    pub longest: usize,
+    /// 0: every second of motion as often; 1: every action.
+    pub balance: f64,
+    /// Share of samples that are mixed of two windows of a verb.
+    pub mixed: f64,
+}
+
+impl Default for DenoiserSettings {
+    fn default() -> Self {
+        Self {
+            course: Course {
+                steps: 30_000,
+                batch: 128,
+                rate: 5e-4,
+                warm_up: 500,
+                betas: (0.9, 0.99),
+                average: 0.999,
+                measure_every: 500,
+                save_every: 250,
+                ..Course::default()
+            },
+            dropout: 0.1,
+            text_dropped: 0.1,
+            frames: 40,
+            stride: 10,
+            other_lengths: 0.1,
+            shortest: 20,
+            longest: 120,
+            balance: 0.5,
+            mixed: 0.0,
+        }
+    }
+}
+
+impl Settings for DenoiserSettings {
+    fn check(&self) -> Result<(), String> {
+        self.course.check()?;
+        broken([
+            ("dropout", (0.0..1.0).contains(&self.dropout), "from 0 to below 1".to_string()),
+            ("text_dropped", is_share(self.text_dropped), "0 to 1".into()),
+            ("frames", self.frames >= 2, "2 or more".into()),
+            ("stride", self.stride > 0, "1 or more".into()),
+            ("other_lengths", is_share(self.other_lengths), "0 to 1".into()),
+            ("shortest", (2..=self.longest).contains(&self.shortest), "2 to longest".into()),
+            ("balance", is_share(self.balance), "0 to 1".into()),
+            ("mixed", is_share(self.mixed), "0 to 1".into()),
+        ])
+    }
+}
+
+impl DenoiserSettings {
+    /// Reads a TOML file, in which the settings of the course stand beside the others; what it does not say is as by default.
+    ///
+    /// # Errors
+    /// When it cannot be read, or a value is out of its range.
+    pub fn read(path: &Path) -> Result<Self, TrainError> {
+        read_settings(path)
+    }
+
+    fn cut(&self, sizes: &Sizes) -> Result<Cut, TrainError> {
+        let most = sizes.most_frames();
+        let fits = [("frames", self.frames <= most), ("longest", self.longest <= most)];
+        let fits = fits.map(|(name, fits)| (name, fits, format!("at most {most}, which the autoencoder takes")));
+        broken(fits).map_err(TrainError::Device)?;
+        let Self { frames, stride, other_lengths, shortest, longest, .. } = *self;
+        Ok(Cut { frames, stride, other_lengths, shortest, longest })
+    }
+}
+
+/// Trains the denoiser on the latents of the autoencoder in `vae`, or goes on with it. What it writes are whole models, with the
+/// autoencoder and the verbs.
+///
+/// # Errors
+/// When corpus, autoencoder or checkpoint cannot be read, the checkpoint is of other settings, a loss is no number, or nothing can be
+/// written.
+pub fn train_denoiser(
+    place: &Place<'_>,
+    vae: &Path,
+    settings: &DenoiserSettings,
+    progress: &mut OnStep<'_>,
+) -> Result<Report, TrainError> {
+    settings.check().map_err(TrainError::Device)?;
+    let (header, base) = read_weights(vae)?;
+    let sizes = Sizes { guidance_width: 0, ..header.sizes.clone() };
+    let header = ModelHeader { sizes: sizes.clone(), ..header };
+    let content = |what: String| TrainError::Content { path: vae.into(), what };
+    let (statistics, _) = header.statistics().map_err(|error| content(error.to_string()))?;
+    let network_of_vae = Vae::new(&sizes, &base).map_err(|error| content(error.to_string()))?;
+    let manifest = Manifest::read(place.corpus)?;
+    let cut = settings.cut(&sizes)?;
+    let latents = |split, mirrored, cut| {
+        let motions = motions::read(&manifest, split, &statistics, mirrored, settings.balance)?;
+        let windows = windows(&motions, cut, settings.course.seed);
+        Latents::encode(&network_of_vae, &motions, &windows, place.replicas.max(1))
+    };
+    let stage = DenoiserStage {
+        train: latents(Split::Train, true, cut)?,
+        held_out: latents(Split::Val, false, Cut { other_lengths: 0.0, ..cut })?,
+        schedule: NoiseSchedule::default(),
+        waves: TimeWaves::new(sizes.text_width),
+        device: Device::flex().autodiff(),
+        base: named(&base, "vae."),
+        settings,
+        sizes,
+        header,
+    };
+    if stage.train.len() == 0 || stage.held_out.len() == 0 {
+        return Err(TrainError::Device("the corpus has no clip as long as `shortest`".into()));
+    }
+    let weights = match place.from {
+        Some(path) => read_weights(path)?.1,
+        None => stage.beginning(),
+    };
+    let (report, _) = run(&stage, stage.network(&weights)?, place, progress)?;
+    Ok(report)
+}
+
+/// The denoiser and the vectors of its texts.
+#[derive(Module, Debug)]
+pub(super) struct TextDenoiser {
+    pub(super) denoiser: TrainableDenoiser,
+    pub(super) verbs: TrainableVerbs,
+}
+
+struct DenoiserStage<'a> {
+    settings: &'a DenoiserSettings,
+    sizes: Sizes,
+    header: ModelHeader,
+    /// The autoencoder.
+    base: Tensors,
+    train: Latents,
+    held_out: Latents,
+    schedule: NoiseSchedule,
+    waves: TimeWaves,
+    device: Device,
+}
+
+impl DenoiserStage<'_> {
+    fn beginning(&self) -> Tensors {
+        let seed = self.settings.course.seed;
+        let only = Parts { vae: false, denoiser: true, control: false, control_2d: false };
+        let mut weights = random(&self.sizes, only, seed);
+        let mut noise = Noise::new(seed ^ 0x7665_7262);
+        let width = self.sizes.text_width;
+        let mut row = |name: &str, shape: Vec<usize>| {
+            let count = shape.iter().product();
+            let numbers = noise.normals(count).into_iter().map(|x| VERB_DEVIATION * x).collect();
+            if let Ok(tensor) = Plain::new(shape, numbers) {
+                weights.insert(name, tensor);
+            }
+        };
+        row(VerbTable::VERBS, vec![VERBS.len(), width]);
+        row(VerbTable::NOTHING, vec![width]);
+        weights
+    }
+
+    fn network(&self, weights: &Tensors) -> Result<TextDenoiser, TrainError> {
+        let denoiser = TrainableDenoiser::new(&self.sizes, weights, self.settings.dropout, &self.device);
+        let verbs = TrainableVerbs::new(weights, self.sizes.text_width, &self.device);
+        Ok(TextDenoiser { denoiser: denoiser.map_err(network)?, verbs: verbs.map_err(network)? })
+    }
+}
+
+impl Stage for DenoiserStage<'_> {
+    type Network = TextDenoiser;
+    type Beside = ();
+    /// How many samples, and the seed of what is drawn for them.
+    type Work = (usize, u64);
+
+    const PARTS: &'static [&'static str] = &[];
+
+    fn course(&self) -> Course {
+        self.settings.course.clone()
+    }
+
+    fn settings(&self) -> String {
+        serde_json::to_string(self.settings).unwrap_or_default()
+    }
+
+    fn beside(&self) -> Result<(), TrainError> {
+        Ok(())
+    }
+
+    fn draw(&self, step: u64, replicas: usize) -> Vec<Self::Work> {
+        works(&self.settings.course, step, replicas)
+    }
+
+    fn loss(
+        &self,
+        network: &TextDenoiser,
+        (): &(),
+        (count, seed): Self::Work,
+        _step: u64,
+    ) -> Result<Loss, TrainError> {
+        let mut draw = Noise::new(seed);
+        let DenoiserSettings { text_dropped, mixed, .. } = *self.settings;
+        let (mut latents, verbs) = self.train.draw(count, Drawing { text_dropped, mixed }, &mut draw);
+        let noise = draw.normals(latents.len());
+        let timesteps = timesteps(count, &mut draw);
+        let each = self.train.each;
+        for ((latent, noise), &step) in
+            latents.chunks_exact_mut(each).zip(noise.chunks_exact(each)).zip(&timesteps)
+        {
+            self.schedule.add_noise(latent, noise, step);
+        }
+        let shape = [count, self.sizes.latent_tokens, self.sizes.width];
+        let table = |numbers| Tensor::<3>::from_data(TensorData::new(numbers, shape), &self.device);
+        let batch = NoisyBatch {
+            latents: table(latents),
+            times: self.waves.of(&timesteps, &self.device),
+            texts: network.verbs.texts(&verbs),
+            guidance: None,
+        };
+        let off = network.denoiser.noise(&batch, None) - table(noise);
+        Ok(Loss { total: off.square().mean(), parts: Vec::new() })
+    }
+
+    fn tensors(&self, of: &TextDenoiser) -> Result<Tensors, TrainError> {
+        let mut tensors = of.denoiser.to_tensors().map_err(network)?;
+        tensors.extend(of.verbs.to_tensors().map_err(network)?);
+        Ok(tensors)
+    }
+
+    fn measure(&self, weights: &Tensors) -> Result<Vec<(&'static str, f64)>, TrainError> {
+        let error = noise_error(&self.sizes, weights, &self.held_out, &self.schedule).map_err(network)?;
+        Ok(vec![("held_out_noise", error)])
+    }
+
+    fn write(&self, path: &Path, weights: &Tensors) -> Result<(), TrainError> {
+        write_weights(path, &merged(&self.base, weights), &self.header)
+    }
+}
+
+/// What replicas draw of a step's batch: how many samples, and a seed each.
+pub(super) fn works(course: &Course, step: u64, replicas: usize) -> Vec<(usize, u64)> {
+    let seed = seed_of(course.seed, step);
+    let mut noise = Noise::new(seed);
+    let each = course.batch.div_ceil(replicas);
+    (0..replicas).map(|_| (each, (noise.uniform() * (1_u64 << 53) as f64) as u64)).collect()
+}
+
+/// One for each sample, evenly drawn.
+pub(super) fn timesteps(count: usize, noise: &mut Noise) -> Vec<usize> {
+    (0..count).map(|_| ((noise.uniform() * STEPS as f64) as usize).min(STEPS - 1)).collect()
+}
+
+/// Mean squared error of the noise that is predicted in held-out latents, at noises and timesteps that are always the same.
+fn noise_error(
+    sizes: &Sizes,
+    weights: &Tensors,
+    held_out: &Latents,
+    schedule: &NoiseSchedule,
+) -> Result<f64, inkrig_generate::GenerateError> {
+    let denoiser = Denoiser::new(sizes, weights)?;
+    let width = sizes.text_width;
+    let verbs = weights.expect(VerbTable::VERBS, &[VERBS.len(), width])?;
+    let nothing = weights.expect(VerbTable::NOTHING, &[width])?;
+    let (most, times) = MEASURED;
+    let every = held_out.len().div_ceil(most).max(1);
+    let (mut sum, mut count, mut work) = (0.0, 0_usize, Work::default());
+    for (at, window) in (0..held_out.len()).step_by(every).enumerate() {
+        let mut draw = Noise::new(at as u64);
+        let latent = held_out.mean(window);
+        let noise = draw.normals(latent.len() * times);
+        // One in each part of the schedule.
+        let part = |time: usize| (time as f64 + draw.uniform()) / times as f64 * STEPS as f64;
+        let timesteps: Vec<usize> = (0..times).map(part).map(|step| (step as usize).min(STEPS - 1)).collect();
+        let mut latents = latent.repeat(times);
+        let rows = latents.chunks_exact_mut(latent.len()).zip(noise.chunks_exact(latent.len()));
+        rows.zip(&timesteps).for_each(|((latent, noise), &step)| schedule.add_noise(latent, noise, step));
+        let verb = held_out.verbs(window).first();
+        let text = verb.and_then(|&verb| verbs.chunks_exact(width).nth(verb)).unwrap_or(nothing);
+        let texts = text.repeat(times);
+        let noisy = Noisy { latents: &latents, timesteps: &timesteps, texts: &texts, guidance: None };
+        let predicted = denoiser.noise(&noisy, None, &mut work)?;
+        let off = |(a, b): (&f32, &f32)| f64::from(a - b) * f64::from(a - b);
+        sum += predicted.iter().zip(&noise).map(off).sum::<f64>();
+        count += noise.len();
+    }
+    Ok(sum / count.max(1) as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::course::parse_settings;
+    use super::*;
+
+    #[test]
+    fn settings_and_their_course_stand_in_one_flat_file() {
+        let settings: DenoiserSettings = parse_settings("batch = 32\nmixed = 0.25\nbetas = [0.5, 0.6]").unwrap();
+        let usual = DenoiserSettings::default();
+        let course = Course { batch: 32, betas: (0.5, 0.6), ..usual.course.clone() };
+        assert_eq!(settings, DenoiserSettings { course, mixed: 0.25, ..usual });
+        for (text, part) in [
+            ("stesp = 3", "stesp"),
+            ("rate = 2.0", "rate is out of range"),
+            ("average = 1.0", "average"),
+            ("batch = 'many'", "batch"),
+            ("mixed = nan", "mixed"),
+        ] {
+            let error = parse_settings::<DenoiserSettings>(text).unwrap_err();
+            assert!(error.contains(part), "{part}: {error}");
+        }
+    }
+
+    #[test]
+    fn replicas_draw_apart_and_the_same_again() {
+        let course = Course { batch: 9, ..Course::default() };
+        let two = works(&course, 3, 2);
+        assert_eq!((two[0].0, two[1].0), (5, 5));
+        assert!(two[0].1 != two[1].1 && two == works(&course, 3, 2) && two != works(&course, 4, 2));
+        let times = timesteps(2000, &mut Noise::new(1));
+        assert!(times.iter().all(|&time| time < STEPS));
+        assert!(times.iter().any(|&time| time < 20) && times.iter().any(|&time| time > 980));
+    }
+}
