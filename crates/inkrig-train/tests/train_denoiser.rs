@@ -1,5 +1,4 @@
 //! A denoiser learns on a finished autoencoder, can be stopped at any moment, and what it writes can be sampled.
-#![cfg(feature = "train")]
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and prints its figures")]
 
 mod desk;
@@ -57,7 +56,10 @@ fn a_run_learns_ends_the_same_when_killed_and_writes_models() {
     let report = train_denoiser(&place(&corpus, &whole, 2), &vae, &settings(), go_on).unwrap();
     assert!(report.complete);
     let held_out: Vec<f64> = report.rows.iter().map(|row| row.value("held_out_noise").unwrap()).collect();
-    println!("held out {held_out:?}, losses {:?}", report.rows.iter().map(|row| row.loss).collect::<Vec<_>>());
+    println!(
+        "held out {held_out:?}, losses {:?}",
+        report.rows.iter().map(|row| row.loss).collect::<Vec<_>>()
+    );
     // Noise has variance 1: less than that was learned.
     assert!(held_out[2] < held_out[0] && held_out[2] < 0.8, "{held_out:?}");
 
@@ -81,7 +83,8 @@ fn a_run_learns_ends_the_same_when_killed_and_writes_models() {
     let from = Place { from: Some(&whole.join("last.safetensors")), ..place(&corpus, &parts, 1) };
     std::fs::remove_file(parts.join("checkpoint.safetensors")).unwrap();
     let short = Course { steps: 5, measure_every: 5, rate: 1e-4, ..settings().course };
-    let again = train_denoiser(&from, &vae, &DenoiserSettings { course: short, ..settings() }, go_on).unwrap();
+    let again =
+        train_denoiser(&from, &vae, &DenoiserSettings { course: short, ..settings() }, go_on).unwrap();
     let value = again.rows[0].value("held_out_noise").unwrap();
     assert!(value < held_out[0] && value < 1.2 * held_out[2], "{value} {held_out:?}");
 

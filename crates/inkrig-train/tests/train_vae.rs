@@ -1,5 +1,4 @@
 //! A run learns, can be stopped at any moment, and goes on as if it had not been.
-#![cfg(feature = "train")]
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and prints its figures")]
 
 mod desk;

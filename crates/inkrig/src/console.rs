@@ -119,10 +119,6 @@ impl Drop for Stage {
 #[derive(Debug)]
 pub struct Bar {
     bar: ProgressBar,
-    #[cfg_attr(
-        not(feature = "train"),
-        allow(dead_code, reason = "only training has lines to say on the way")
-    )]
     silent: bool,
     interrupt: Arc<Interrupt>,
 }
@@ -141,7 +137,6 @@ impl Bar {
     }
 
     /// Says a line on standard error above the bar, also where no terminal shows one.
-    #[cfg(feature = "train")]
     pub fn note(&self, line: &str) {
         if !self.silent {
             self.bar.suspend(|| {

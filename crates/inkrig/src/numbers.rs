@@ -42,7 +42,6 @@ pub(crate) fn times(text: &str) -> Result<usize, String> {
 }
 
 /// Minutes to train.
-#[cfg(feature = "train")]
 pub(crate) fn minutes(text: &str) -> Result<f64, String> {
     within(text, 0.01..=1e6, "minutes")
 }

@@ -3,8 +3,16 @@
 //! A gradient is one row of numbers in the order of [`crate::weights::Tensors::row`]; an optimiser moves that row, and the network is made
 //! of it anew.
 
+mod control;
+mod decoded;
+mod denoiser;
 mod orthogonal;
+#[cfg(test)]
+mod testing;
 mod vae;
 
+pub use control::{ControlBatch, ControlLearner, ControlLosses, ControlObjective};
+pub use decoded::Wanted;
+pub use denoiser::{DenoiserLearner, NoisyVerbs};
 pub use orthogonal::orthogonalise;
 pub use vae::{VaeLearner, VaeLosses, VaeObjective};

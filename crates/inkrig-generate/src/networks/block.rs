@@ -1,6 +1,7 @@
 //! A transformer block: attention, perhaps a look at a memory, feed-forward; each added to what came in, then normalised.
 
 use super::Sizes;
+use super::dropout::Dropout;
 use super::linear::Linear;
 use crate::GenerateError;
 use crate::numeric::attention::{AttentionWork, Sequence};
@@ -49,6 +50,7 @@ pub(crate) struct BlockTape {
 #[derive(Debug, Clone, Default)]
 struct Inputs {
     kept: bool,
+    dropout: Option<Dropout>,
     x: Vec<f32>,
     mixed: Vec<f32>,
     attended: Vec<f32>,
@@ -58,8 +60,9 @@ struct Inputs {
 
 impl BlockTape {
     /// Whether the next forward pass keeps what the gradients of weights need.
-    pub(crate) fn keep_inputs(&mut self, keep: bool) {
+    pub(crate) fn keep_inputs(&mut self, keep: bool, dropout: Option<Dropout>) {
         self.inputs.kept = keep;
+        self.inputs.dropout = dropout;
     }
 }
 
@@ -81,6 +84,7 @@ pub(crate) struct BlockWork {
     part: Vec<f32>,
     other: Vec<f32>,
     wide: Vec<f32>,
+    dropped: Vec<f32>,
     grads: [Vec<f32>; 3],
 }
 
@@ -132,6 +136,9 @@ impl Block {
         if kept {
             keep(&mut tape.inputs.mixed, &work.other);
         }
+        if let Some(dropout) = tape.inputs.dropout {
+            dropout.apply(&mut work.part, 0);
+        }
         add(x, &work.part);
         self.norm_attention.forward(x, &mut tape.norm_attention);
         if kept {
@@ -154,6 +161,9 @@ impl Block {
         self.widen.forward(x, fit(&mut tape.wide, wide));
         gelu(&tape.wide, fit(&mut work.wide, wide));
         self.narrow.forward(&work.wide, &mut work.part);
+        if let Some(dropout) = tape.inputs.dropout {
+            dropout.apply(&mut work.part, 1);
+        }
         add(x, &work.part);
         self.norm.forward(x, &mut tape.norm);
     }
@@ -177,11 +187,14 @@ impl Block {
             self.norm.weight_gradient(grad, &tape.norm, to.row);
         }
         self.norm.backward(grad, &tape.norm);
+        let mut dropped = std::mem::take(&mut work.dropped);
+        let part = inputs.dropout.map_or(&*grad, |dropout| dropout.back(grad, 1, &mut dropped));
         if let Some(to) = weights.as_deref_mut() {
             gelu(&tape.wide, fit(&mut work.wide, tape.wide.len()));
-            self.narrow.weight_gradient(&work.wide, grad, to.row, to.work);
+            self.narrow.weight_gradient(&work.wide, part, to.row, to.work);
         }
-        self.narrow.backward(grad, fit(&mut work.wide, tape.wide.len()), false);
+        self.narrow.backward(part, fit(&mut work.wide, tape.wide.len()), false);
+        work.dropped = dropped;
         gelu_gradient(&tape.wide, &mut work.wide);
         if let Some(to) = weights.as_deref_mut() {
             self.widen.weight_gradient(&inputs.looked_up, &work.wide, to.row, to.work);
@@ -214,10 +227,13 @@ impl Block {
         }
         self.norm_attention.backward(grad, &tape.norm_attention);
         let spans = spans(layout.lengths, layout.lengths);
-        self.attention.backward(grad, spans, &tape.attention, work);
+        let mut dropped = std::mem::take(&mut work.dropped);
+        let part = inputs.dropout.map_or(&*grad, |dropout| dropout.back(grad, 0, &mut dropped));
+        self.attention.backward(part, spans, &tape.attention, work);
         if let Some(to) = weights {
-            self.attention.weight_gradients(&inputs.x, &inputs.x, (&inputs.mixed, grad), &work.grads, to);
+            self.attention.weight_gradients(&inputs.x, &inputs.x, (&inputs.mixed, part), &work.grads, to);
         }
+        work.dropped = dropped;
         let [queries, keys, values] = &work.grads;
         self.attention.queries.backward(queries, grad, true);
         self.attention.keys.backward(keys, grad, true);

@@ -23,11 +23,13 @@ pub enum Domain {
 /// A network that makes one vector of some frames of 66 numbers: 22 joints, normalised, zero where nothing is asked.
 #[derive(Debug, Clone)]
 pub struct ConditionEncoder {
-    width: usize,
-    token: Vec<f32>,
-    embed: Linear,
-    positions: Vec<f32>,
-    stack: Stack,
+    pub(super) width: usize,
+    pub(super) token: Vec<f32>,
+    pub(super) embed: Linear,
+    pub(super) positions: Vec<f32>,
+    pub(super) stack: Stack,
+    /// Where the gradients of token and positional table begin in the row of all.
+    pub(super) places: (usize, usize),
 }
 
 impl ConditionEncoder {
@@ -69,6 +71,10 @@ impl ConditionEncoder {
             embed: Linear::new(weights, &format!("{name}.skel_embedding"), sizes.width, POSE)?,
             positions: positions(weights, &format!("{name}.{table}.pe"), sizes)?,
             stack,
+            places: (
+                weights.place(&format!("{name}.global_motion_token")),
+                weights.place(&format!("{name}.{table}.pe")),
+            ),
         })
     }
 

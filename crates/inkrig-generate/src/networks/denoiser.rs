@@ -3,11 +3,9 @@
 //! Their sequence is short: the latent's tokens, one for time, one for text. The published latent is one token.
 
 use super::Sizes;
-use super::block::Layout;
-use super::embedding::TimeEmbedding;
+use super::branch::Branch;
 use super::linear::Linear;
-use super::stack::{Ending, Residuals, Stack, StackTape};
-use super::tokens::{check_length, positions};
+use super::stack::{Ending, Residuals, StackTape};
 use crate::GenerateError;
 use crate::numeric::elementwise::{add, relu};
 use crate::weights::Tensors;
@@ -47,108 +45,10 @@ impl Corrections {
     }
 }
 
-/// The part that all three have.
-#[derive(Debug, Clone)]
-struct Branch {
-    sizes: Sizes,
-    time: TimeEmbedding,
-    text: Linear,
-    positions: Vec<f32>,
-    stack: Stack,
-}
-
-impl Branch {
-    fn new(
-        weights: &Tensors,
-        name: &str,
-        sizes: &Sizes,
-        blocks: usize,
-        ending: Ending,
-    ) -> Result<Self, GenerateError> {
-        sizes.check()?;
-        let encoder = format!("{name}.encoder");
-        let stack = if blocks == sizes.denoiser_blocks {
-            Stack::new(weights, &encoder, sizes, blocks, false, ending)?
-        } else {
-            let blocks = (0..blocks).map(|block| format!("input_blocks.{block}"));
-            Stack::plain(weights, &encoder, sizes, blocks, ending)?
-        };
-        Ok(Self {
-            time: TimeEmbedding::new(weights, &format!("{name}.time_embedding"), sizes)?,
-            text: Linear::new(weights, &format!("{name}.emb_proj.1"), sizes.width, sizes.text_width)?,
-            positions: positions(weights, &format!("{name}.query_pos.pe"), sizes)?,
-            stack,
-            sizes: sizes.clone(),
-        })
-    }
-
-    fn samples(&self, noisy: &Noisy<'_>) -> Result<usize, GenerateError> {
-        let samples = noisy.timesteps.len();
-        let latent = self.sizes.latent_tokens * self.sizes.width;
-        for (what, numbers, width) in
-            [("latents", noisy.latents.len(), latent), ("texts", noisy.texts.len(), self.sizes.text_width)]
-        {
-            if check_length(what, numbers, width, samples)? != samples {
-                return Err(GenerateError::Length { what, expected: samples * width, got: numbers });
-            }
-        }
-        if let Some(guidance) = noisy.guidance
-            && self.sizes.guidance_width > 0
-            && guidance.len() != self.sizes.guidance_width
-        {
-            let (what, expected) = ("guidance embedding", self.sizes.guidance_width);
-            return Err(GenerateError::Length { what, expected, got: guidance.len() });
-        }
-        Ok(samples)
-    }
-
-    /// Runs the blocks; what comes out of the last is returned, what comes out of each goes into `outputs`.
-    fn run(
-        &self,
-        noisy: &Noisy<'_>,
-        corrections: Option<&Corrections>,
-        outputs: Option<&mut Residuals>,
-        tape: &mut StackTape,
-    ) -> Result<Vec<f32>, GenerateError> {
-        let samples = self.samples(noisy)?;
-        let Sizes { width, latent_tokens, text_width, .. } = self.sizes;
-        let mut texts = noisy.texts.to_vec();
-        relu(&mut texts);
-        let texts = self.text.apply(&texts);
-        debug_assert_eq!(text_width * samples, noisy.texts.len());
-        let tokens = latent_tokens + 2;
-        let mut x = Vec::with_capacity(samples * tokens * width);
-        let mut time: Option<(usize, Vec<f32>)> = None;
-        let each = noisy.latents.chunks_exact(latent_tokens * width).zip(texts.chunks_exact(width));
-        for (&timestep, (latent, text)) in noisy.timesteps.iter().zip(each) {
-            let known = time.take().filter(|(of, _)| *of == timestep);
-            let (_, token) =
-                time.insert(known.unwrap_or_else(|| (timestep, self.time.token(timestep, noisy.guidance))));
-            let first = x.len();
-            x.extend_from_slice(latent);
-            x.extend_from_slice(token);
-            x.extend_from_slice(text);
-            add(&mut x[first..], &self.positions[..tokens * width]);
-        }
-        if let Some(corrections) = corrections {
-            let what = "corrections of a block";
-            for block in &corrections.blocks {
-                if block.len() != x.len() {
-                    return Err(GenerateError::Length { what, expected: x.len(), got: block.len() });
-                }
-            }
-        }
-        let lengths = vec![tokens; samples];
-        let layout = Layout { lengths: &lengths, memory: None };
-        self.stack.forward(&mut x, layout, corrections.map(|all| &all.blocks), outputs, tape);
-        Ok(x)
-    }
-}
-
 /// The network that predicts the noise in a latent.
 #[derive(Debug, Clone)]
 pub struct Denoiser {
-    branch: Branch,
+    pub(super) branch: Branch,
 }
 
 impl Denoiser {
@@ -178,6 +78,13 @@ impl Denoiser {
     }
 }
 
+impl Denoiser {
+    /// The part that it has in common with its copies.
+    pub(crate) fn branch(&self) -> &Branch {
+        &self.branch
+    }
+}
+
 /// Buffers of the three networks, kept from one call to the next.
 #[derive(Debug, Clone, Default)]
 pub struct Work {
@@ -187,9 +94,9 @@ pub struct Work {
 /// The trajectory ControlNet.
 #[derive(Debug, Clone)]
 pub struct ControlNet {
-    branch: Branch,
-    condition: [Linear; 3],
-    outputs: Vec<Linear>,
+    pub(super) branch: Branch,
+    pub(super) condition: [Linear; 3],
+    pub(super) outputs: Vec<Linear>,
 }
 
 impl ControlNet {
@@ -241,9 +148,9 @@ impl ControlNet {
 /// The trajectory-aware keypose adapter.
 #[derive(Debug, Clone)]
 pub struct Adapter {
-    branch: Branch,
-    pose: Linear,
-    outputs: Vec<Linear>,
+    pub(super) branch: Branch,
+    pub(super) pose: Linear,
+    pub(super) outputs: Vec<Linear>,
 }
 
 impl Adapter {

@@ -30,10 +30,10 @@ pub fn guidance_waves(weight: f32, width: usize) -> Vec<f32> {
 /// Waves through two layers to a token.
 #[derive(Debug, Clone)]
 pub(crate) struct TimeEmbedding {
-    waves: usize,
-    guidance: Option<Linear>,
-    first: Linear,
-    second: Linear,
+    pub(super) waves: usize,
+    pub(super) guidance: Option<Linear>,
+    pub(super) first: Linear,
+    pub(super) second: Linear,
 }
 
 impl TimeEmbedding {
@@ -43,7 +43,7 @@ impl TimeEmbedding {
             0 => None,
             inputs => {
                 let weight = weights.expect(&format!("{name}.cond_proj.weight"), &[waves, inputs])?;
-                Some(Linear::of(weight, &vec![0.0; waves], inputs))
+                Some(Linear::of(weight, &vec![0.0; waves], inputs).at(weights, &format!("{name}.cond_proj")))
             }
         };
         Ok(Self {

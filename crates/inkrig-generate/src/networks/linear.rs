@@ -73,6 +73,11 @@ impl Linear {
         Self { packed, bias: bias.to_vec(), transposed: OnceLock::new(), slots: Slots::default(), half: None }
     }
 
+    /// The same, its gradients in the places of a name.
+    pub(crate) fn at(self, weights: &Tensors, name: &str) -> Self {
+        Self { slots: Slots::of(weights, name), ..self }
+    }
+
     /// Replaces `out`: as many rows as `x` has.
     pub(crate) fn forward(&self, x: &[f32], out: &mut [f32]) {
         let (inputs, outputs) = (self.packed.depth(), self.packed.columns());
@@ -107,9 +112,15 @@ impl Linear {
 
     /// What weight and bias get of the gradient of what came out, added to the row of all gradients; `x` is what went in.
     pub(crate) fn weight_gradient(&self, x: &[f32], grad: &[f32], weights: &mut [f32], work: &mut OuterWork) {
-        let (inputs, outputs) = (self.packed.depth(), self.packed.columns());
+        let outputs = self.packed.columns();
         let bias = &mut weights[self.slots.bias..][..outputs];
         grad.chunks_exact(outputs).for_each(|row| add(bias, row));
+        self.matrix_gradient(x, grad, weights, work);
+    }
+
+    /// The same for a layer without bias.
+    pub(crate) fn matrix_gradient(&self, x: &[f32], grad: &[f32], weights: &mut [f32], work: &mut OuterWork) {
+        let (inputs, outputs) = (self.packed.depth(), self.packed.columns());
         let weight = &mut weights[self.slots.weight..][..inputs * outputs];
         if self.half.is_some() {
             return HALF_WORK.with_borrow_mut(|(work, packed)| {

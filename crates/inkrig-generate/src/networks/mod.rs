@@ -2,8 +2,12 @@
 //! needs. All of them are transformers with post-norm blocks; padding never occurs, as masked frames are left out.
 
 mod block;
+mod branch;
+mod branch_gradient;
 mod conditions;
+mod control_gradient;
 mod denoiser;
+mod dropout;
 mod embedding;
 mod linear;
 mod names;
@@ -13,12 +17,18 @@ mod tokens;
 mod vae;
 mod vae_gradient;
 
+pub(crate) use block::WeightGradients;
+pub(crate) use branch_gradient::{BranchTape, InputGradients};
+pub use branch_gradient::{Samples, WaveTable};
 pub use conditions::{ConditionEncoder, Domain};
+pub use control_gradient::ConditionRows;
+pub(crate) use control_gradient::{ControlTape, EncoderTape};
 pub use denoiser::{Adapter, ControlNet, Corrections, Denoiser, Noisy, Work};
+pub(crate) use dropout::Dropout;
 pub use embedding::{guidance_waves, timestep_waves};
 pub(crate) use linear::Linear;
-pub(crate) use names::POSE;
 pub use names::{Parts, TensorSpec, tensors};
 pub use sizes::Sizes;
+pub(crate) use stack::{Residuals, SideGradients};
 pub use vae::{Decoding, Encoded, Vae};
 pub(crate) use vae_gradient::VaeTape;

@@ -2,6 +2,7 @@
 
 use super::Sizes;
 use super::block::{Block, BlockTape, BlockWork, Layout, WeightGradients};
+use super::dropout::Dropout;
 use super::linear::Linear;
 use super::names::block_names;
 use crate::GenerateError;
@@ -32,6 +33,7 @@ pub(crate) struct StackTape {
     work: BlockWork,
     /// Whether a forward pass keeps what the gradients of weights need: what went into the joins, too.
     kept: bool,
+    dropout: Option<Dropout>,
     joins: Vec<Vec<f32>>,
 }
 
@@ -40,6 +42,20 @@ impl StackTape {
     pub(crate) fn for_learning() -> Self {
         Self { kept: true, ..Self::default() }
     }
+
+    /// What the next forward pass drops.
+    pub(crate) fn set_dropout(&mut self, dropout: Option<Dropout>) {
+        self.dropout = dropout.filter(|dropout| dropout.share > 0.0);
+    }
+}
+
+/// Gradients between the blocks of a stack and another network.
+#[derive(Default)]
+pub(crate) struct SideGradients<'a> {
+    /// Of what came out of each block, besides what the next block says.
+    pub(crate) outputs: Option<&'a Residuals>,
+    /// Takes those of what was added to each, for as many blocks as it has tables.
+    pub(crate) residuals: Option<&'a mut Residuals>,
 }
 
 /// What stands behind the last block.
@@ -96,7 +112,9 @@ impl Stack {
     ) {
         let skips = self.joins.len();
         tape.blocks.resize_with(self.blocks.len(), BlockTape::default);
-        tape.blocks.iter_mut().for_each(|block| block.keep_inputs(tape.kept));
+        for (at, block) in tape.blocks.iter_mut().enumerate() {
+            block.keep_inputs(tape.kept, tape.dropout.map(|dropout| dropout.of_block(at)));
+        }
         tape.skips.resize_with(skips, Vec::new);
         tape.joins.resize_with(skips, Vec::new);
         for (at, block) in self.blocks.iter().enumerate() {
@@ -140,7 +158,7 @@ impl Stack {
         grad_memory: &mut [f32],
         tape: &mut StackTape,
     ) {
-        self.back(grad, layout, grad_memory, tape, true, None);
+        self.back(grad, layout, grad_memory, tape, true, None, SideGradients::default());
     }
 
     /// From the gradient of what came out of a forward pass with a tape [`StackTape::for_learning`] to that of what went in, in
@@ -153,9 +171,23 @@ impl Stack {
         tape: &mut StackTape,
         weights: &mut WeightGradients<'_>,
     ) {
-        self.back(grad, layout, grad_memory, tape, false, Some(weights));
+        self.back(grad, layout, grad_memory, tape, false, Some(weights), SideGradients::default());
     }
 
+    /// The same for a stack without memory that has another network beside it. Without `weights` the tape need not be one for
+    /// learning.
+    pub(crate) fn backward_beside(
+        &self,
+        grad: &mut [f32],
+        layout: Layout<'_>,
+        tape: &mut StackTape,
+        weights: Option<&mut WeightGradients<'_>>,
+        side: SideGradients<'_>,
+    ) {
+        self.back(grad, layout, &mut [], tape, false, weights, side);
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "buffers of one pass")]
     fn back(
         &self,
         grad: &mut [f32],
@@ -164,6 +196,7 @@ impl Stack {
         tape: &mut StackTape,
         memory_only: bool,
         mut weights: Option<&mut WeightGradients<'_>>,
+        mut side: SideGradients<'_>,
     ) {
         let skips = self.joins.len();
         if let Some(norm) = &self.norm {
@@ -176,6 +209,13 @@ impl Stack {
             // What later blocks took over the skip; the forward pass' own numbers are needed no more.
             if let Some(skip) = tape.skips.get(at) {
                 add(grad, skip);
+            }
+            if let Some(more) = side.outputs.and_then(|outputs| outputs.get(at)) {
+                add(grad, more);
+            }
+            if let Some(residual) = side.residuals.as_mut().and_then(|residuals| residuals.get_mut(at)) {
+                residual.clear();
+                residual.extend_from_slice(grad);
             }
             let only = memory_only && at == 0;
             let own = &tape.blocks[at];

@@ -1,14 +1,12 @@
 //! Blocks and stacks as in [`crate::networks`], for training. Fields have the names of the published state dictionary.
 
-use super::attention::Attention;
-use super::dropout::drop_out;
 use super::named::{parameter, turned};
 use crate::GenerateError;
 use crate::networks::Sizes;
 use crate::weights::Tensors;
 use burn::module::{Module, Param};
-use burn::nn::{LayerNorm, LayerNormConfig, Linear};
-use burn::tensor::activation::gelu;
+use burn::nn::{Dropout, DropoutConfig, LayerNorm, LayerNormConfig, Linear};
+use burn::tensor::activation::{gelu, softmax};
 use burn::tensor::{Device, Tensor};
 
 /// What modules are made of.
@@ -20,36 +18,11 @@ pub(crate) struct Source<'a> {
     pub(crate) device: &'a Device,
 }
 
-impl<'a> Source<'a> {
-    /// Checks sizes and the share of numbers that are dropped.
-    pub(crate) fn new(
-        sizes: &'a Sizes,
-        weights: &'a Tensors,
-        dropout: f64,
-        device: &'a Device,
-    ) -> Result<Self, GenerateError> {
-        sizes.check()?;
-        if !(0.0..1.0).contains(&dropout) {
-            let (setting, value) = ("dropout", dropout.to_string());
-            return Err(GenerateError::Setting { setting, value, needed: "from 0 to below 1" });
-        }
-        Ok(Self { weights, sizes, dropout, device })
-    }
-
+impl Source<'_> {
     pub(crate) fn linear(&self, name: &str, outputs: usize, inputs: usize) -> Result<Linear, GenerateError> {
-        let bias = parameter(self.weights, &format!("{name}.bias"), [outputs], self.device)?;
-        Ok(Linear { bias: Some(bias), ..self.projection(name, outputs, inputs)? })
-    }
-
-    /// A linear layer without bias.
-    pub(crate) fn projection(
-        &self,
-        name: &str,
-        outputs: usize,
-        inputs: usize,
-    ) -> Result<Linear, GenerateError> {
         let weight = turned(self.weights, &format!("{name}.weight"), outputs, inputs, self.device)?;
-        Ok(Linear { weight, bias: None })
+        let bias = parameter(self.weights, &format!("{name}.bias"), [outputs], self.device)?;
+        Ok(Linear { weight, bias: Some(bias) })
     }
 
     pub(crate) fn norm(&self, name: &str) -> Result<LayerNorm, GenerateError> {
@@ -65,41 +38,22 @@ impl<'a> Source<'a> {
         Ok(Positions { pe: parameter(self.weights, &format!("{name}.pe"), shape, self.device)? })
     }
 
-    /// Blocks with skips, and perhaps a norm behind them.
-    pub(crate) fn stack(
-        &self,
-        name: &str,
-        blocks: usize,
-        memory: bool,
-        norm: bool,
-    ) -> Result<Stack, GenerateError> {
+    pub(crate) fn stack(&self, name: &str, blocks: usize, memory: bool) -> Result<Stack, GenerateError> {
         let half = blocks / 2;
+        let block = |block: String| Block::new(*self, &format!("{name}.{block}"), memory);
         let width = self.sizes.width;
         let join = |at: usize| self.linear(&format!("{name}.linear_blocks.{at}"), width, 2 * width);
         Ok(Stack {
-            layers: Vec::new(),
-            input_blocks: self.blocks(&format!("{name}.input_blocks"), half, memory)?,
-            middle_block: Some(Block::new(*self, &format!("{name}.middle_block"), memory)?),
-            output_blocks: self.blocks(&format!("{name}.output_blocks"), half, memory)?,
+            input_blocks: (0..half)
+                .map(|at| block(format!("input_blocks.{at}")))
+                .collect::<Result<_, _>>()?,
+            middle_block: block("middle_block".into())?,
+            output_blocks: (0..half)
+                .map(|at| block(format!("output_blocks.{at}")))
+                .collect::<Result<_, _>>()?,
             linear_blocks: (0..half).map(join).collect::<Result<_, _>>()?,
-            norm: if norm { Some(self.norm(&format!("{name}.norm"))?) } else { None },
+            norm: self.norm(&format!("{name}.norm"))?,
         })
-    }
-
-    /// The first blocks of a stack, without middle and skips.
-    pub(crate) fn first_blocks(&self, name: &str, blocks: usize) -> Result<Stack, GenerateError> {
-        let input_blocks = self.blocks(&format!("{name}.input_blocks"), blocks, false)?;
-        Ok(Stack { input_blocks, ..Stack::empty() })
-    }
-
-    /// Blocks one after the other, and a norm.
-    pub(crate) fn plain_stack(&self, name: &str, blocks: usize) -> Result<Stack, GenerateError> {
-        let layers = self.blocks(&format!("{name}.layers"), blocks, false)?;
-        Ok(Stack { layers, norm: Some(self.norm(&format!("{name}.norm"))?), ..Stack::empty() })
-    }
-
-    fn blocks(&self, name: &str, count: usize, memory: bool) -> Result<Vec<Block>, GenerateError> {
-        (0..count).map(|at| Block::new(*self, &format!("{name}.{at}"), memory)).collect()
     }
 }
 
@@ -114,47 +68,19 @@ impl Positions {
     pub(crate) fn rows(&self, rows: usize) -> Tensor<3> {
         self.pe.val().narrow(0, 0, rows).swap_dims(0, 1)
     }
-
-    /// The whole table, rows x width.
-    pub(crate) fn table(&self) -> Tensor<2> {
-        let table = self.pe.val();
-        let [rows, _, width] = table.dims();
-        table.reshape([rows, width])
-    }
 }
 
-/// Blocks, with skips or without.
+/// Blocks with skips, and a norm behind them.
 #[derive(Module, Debug)]
 pub(crate) struct Stack {
-    layers: Vec<Block>,
     input_blocks: Vec<Block>,
-    middle_block: Option<Block>,
+    middle_block: Block,
     output_blocks: Vec<Block>,
     linear_blocks: Vec<Linear>,
-    norm: Option<LayerNorm>,
-}
-
-/// What the blocks of one network say to those of another.
-#[derive(Default)]
-pub(crate) struct Side<'a> {
-    /// Added to what comes out of the first blocks, one each.
-    pub(crate) residuals: Option<&'a [Tensor<3>]>,
-    /// Takes what comes out of each block, residuals included.
-    pub(crate) outputs: Option<&'a mut Vec<Tensor<3>>>,
+    norm: LayerNorm,
 }
 
 impl Stack {
-    fn empty() -> Self {
-        Self {
-            layers: Vec::new(),
-            input_blocks: Vec::new(),
-            middle_block: None,
-            output_blocks: Vec::new(),
-            linear_blocks: Vec::new(),
-            norm: None,
-        }
-    }
-
     /// Clips x tokens x width; `bias` is added to the scores of attention among the tokens.
     pub(crate) fn forward(
         &self,
@@ -162,50 +88,20 @@ impl Stack {
         bias: Option<&Tensor<4>>,
         memory: Option<&Tensor<3>>,
     ) -> Tensor<3> {
-        self.forward_beside(x, bias, memory, Side::default())
-    }
-
-    /// The same, with another network beside it.
-    pub(crate) fn forward_beside(
-        &self,
-        x: Tensor<3>,
-        bias: Option<&Tensor<4>>,
-        memory: Option<&Tensor<3>>,
-        mut side: Side<'_>,
-    ) -> Tensor<3> {
-        let mut residuals = side.residuals.unwrap_or_default().iter();
-        let mut run = |block: &Block, x: Tensor<3>| {
-            let mut x = block.forward(x, bias, memory);
-            if let Some(residual) = residuals.next() {
-                x = x + residual.clone();
-            }
-            if let Some(outputs) = side.outputs.as_deref_mut() {
-                outputs.push(x.clone());
-            }
-            x
-        };
         let mut skips = Vec::with_capacity(self.input_blocks.len());
         let mut x = x;
-        for block in &self.layers {
-            x = run(block, x);
-        }
         for block in &self.input_blocks {
-            x = run(block, x);
+            x = block.forward(x, bias, memory);
             skips.push(x.clone());
         }
-        if let Some(block) = &self.middle_block {
-            x = run(block, x);
-        }
+        x = self.middle_block.forward(x, bias, memory);
         for ((block, join), skip) in
             self.output_blocks.iter().zip(&self.linear_blocks).zip(skips.into_iter().rev())
         {
             x = join.forward(Tensor::cat(vec![x, skip], 2));
-            x = run(block, x);
+            x = block.forward(x, bias, memory);
         }
-        match &self.norm {
-            Some(norm) => norm.forward(x),
-            None => x,
-        }
+        self.norm.forward(x)
     }
 }
 
@@ -219,7 +115,7 @@ pub(crate) struct Block {
     norm1: LayerNorm,
     norm2: LayerNorm,
     norm3: Option<LayerNorm>,
-    dropout: f64,
+    dropout: Dropout,
 }
 
 impl Block {
@@ -235,22 +131,94 @@ impl Block {
             norm1: norm(1)?,
             norm2: norm(2)?,
             norm3: if memory { Some(norm(3)?) } else { None },
-            dropout: source.dropout,
+            dropout: DropoutConfig::new(source.dropout).init(),
         })
     }
 
     fn forward(&self, x: Tensor<3>, bias: Option<&Tensor<4>>, memory: Option<&Tensor<3>>) -> Tensor<3> {
-        let dropped = |x: Tensor<3>| drop_out(x, self.dropout);
-        let part = self.self_attn.forward(x.clone(), None, bias, self.dropout);
-        let mut x = self.norm1.forward(x + dropped(part));
+        let part = self.self_attn.forward(x.clone(), None, bias, &self.dropout);
+        let mut x = self.norm1.forward(x + self.dropout.forward(part));
         let mut last = &self.norm2;
         if let (Some(attention), Some(norm), Some(memory)) = (&self.multihead_attn, &self.norm3, memory) {
-            let part = attention.forward(x.clone(), Some(memory), None, self.dropout);
-            x = self.norm2.forward(x + dropped(part));
+            let part = attention.forward(x.clone(), Some(memory), None, &self.dropout);
+            x = self.norm2.forward(x + self.dropout.forward(part));
             last = norm;
         }
-        let wide = dropped(gelu(self.linear1.forward(x.clone())));
+        let wide = self.dropout.forward(gelu(self.linear1.forward(x.clone())));
         let part = self.linear2.forward(wide);
-        last.forward(x + dropped(part))
+        last.forward(x + self.dropout.forward(part))
+    }
+}
+
+/// Attention with its projections.
+#[derive(Module, Debug)]
+pub(crate) struct Attention {
+    in_proj: Linear,
+    out_proj: Linear,
+    heads: usize,
+}
+
+impl Attention {
+    fn new(source: Source<'_>, name: &str) -> Result<Self, GenerateError> {
+        let (width, device) = (source.sizes.width, source.device);
+        let weight = turned(source.weights, &format!("{name}.in_proj_weight"), 3 * width, width, device)?;
+        let bias = parameter(source.weights, &format!("{name}.in_proj_bias"), [3 * width], device)?;
+        let in_proj = Linear { weight, bias: Some(bias) };
+        let out_proj = source.linear(&format!("{name}.out_proj"), width, width)?;
+        Ok(Self { in_proj, out_proj, heads: source.sizes.heads })
+    }
+
+    fn forward(
+        &self,
+        x: Tensor<3>,
+        memory: Option<&Tensor<3>>,
+        bias: Option<&Tensor<4>>,
+        dropout: &Dropout,
+    ) -> Tensor<3> {
+        let [clips, tokens, width] = x.dims();
+        let head = width / self.heads;
+        let heads = |x: Tensor<3>| {
+            let tokens = x.dims()[1];
+            x.reshape([clips, tokens, self.heads, head]).swap_dims(1, 2)
+        };
+        let (queries, keys, values) = match memory {
+            None => {
+                let all = self.in_proj.forward(x);
+                (
+                    all.clone().narrow(2, 0, width),
+                    all.clone().narrow(2, width, width),
+                    all.narrow(2, 2 * width, width),
+                )
+            }
+            Some(memory) => {
+                let (of_queries, of_memory) = (self.part(0, width), self.part(width, 2 * width));
+                let both = of_memory.forward(memory.clone());
+                (of_queries.forward(x), both.clone().narrow(2, 0, width), both.narrow(2, width, width))
+            }
+        };
+        let scale = 1.0 / (head as f64).sqrt();
+        let mut scores = heads(queries).matmul(heads(keys).swap_dims(2, 3)) * scale;
+        if let Some(bias) = bias {
+            scores = scores + bias.clone();
+        }
+        let mixed = dropout.forward(softmax(scores, 3)).matmul(heads(values));
+        self.out_proj.forward(mixed.swap_dims(1, 2).reshape([clips, tokens, width]))
+    }
+
+    /// Some outputs of the packed projection, as a layer.
+    fn part(&self, first: usize, count: usize) -> Part {
+        let weight = self.in_proj.weight.val().narrow(1, first, count);
+        Part { weight, bias: self.in_proj.bias.as_ref().map(|bias| bias.val().narrow(0, first, count)) }
+    }
+}
+
+struct Part {
+    weight: Tensor<2>,
+    bias: Option<Tensor<1>>,
+}
+
+impl Part {
+    fn forward(&self, x: Tensor<3>) -> Tensor<3> {
+        burn::tensor::module::linear(x, self.weight.clone(), self.bias.clone())
     }
 }

@@ -1,22 +1,13 @@
 //! The networks in a form that can be trained, with burn. Only crates that train need this; the same weights go in and
 //! out by their published names.
 
-mod attention;
-mod branch;
-mod control;
-mod denoiser;
-mod dropout;
 mod layers;
 mod mask;
 mod named;
 mod vae;
 mod vae_loss;
 
-pub use branch::{NoisyBatch, TimeWaves};
-pub use control::{ConditionRows, TrainableAdapter, TrainableControlNet, TrainableEncoder};
-pub use denoiser::{TrainableDenoiser, TrainableVerbs};
-pub use dropout::dropping;
 pub use mask::FrameMask;
 pub use named::to_tensors;
 pub use vae::TrainableVae;
-pub use vae_loss::{VaeLoss, VaeLossWeights, recovered_places, restored, smooth_l1};
+pub use vae_loss::{VaeLoss, VaeLossWeights, recovered_places, smooth_l1};

@@ -42,17 +42,6 @@ pub(crate) fn turned(
     Ok(Param::from_data(TensorData::new(data, [inputs, outputs]), device))
 }
 
-/// Parts of names that are published in another form. A branch is no module of its own there, and layers that follow a ReLU are
-/// the second of two.
-const RENAMED: [(&str, &str); 6] = [
-    (".in_proj.", ".in_proj_"),
-    ("gamma", "weight"),
-    ("beta", "bias"),
-    (".branch.", "."),
-    (".emb_proj.", ".emb_proj.1."),
-    (".controlnet_cond_embedding_pose.", ".controlnet_cond_embedding_pose.1."),
-];
-
 struct Names {
     path: Vec<String>,
     tensors: Tensors,
@@ -72,7 +61,7 @@ impl ModuleVisitor for Names {
         let path = self.path.join(".");
         let tensor = param.val();
         let mut shape = tensor.dims().to_vec();
-        let name = RENAMED.iter().fold(path.clone(), |name, (own, published)| name.replace(own, published));
+        let name = path.replace(".in_proj.", ".in_proj_").replace("gamma", "weight").replace("beta", "bias");
         let read = tensor.into_data().try_into_vec::<f32>().ok().and_then(|mut data| {
             if let ([inputs, outputs], true) = (&shape[..], path.ends_with("weight")) {
                 data = transpose(&data, *outputs);

@@ -25,8 +25,8 @@ pub struct TrainableVae {
 }
 
 impl TrainableVae {
-    /// Takes the weights that are named `vae.*`; `dropout` from 0 to below 1 is the share of numbers that is dropped within
-    /// [`dropping`](super::dropping). On a device with `autodiff()` it can be trained.
+    /// Takes the weights that are named `vae.*`; `dropout` from 0 to below 1 is the share of numbers that training drops.
+    /// On a device with `autodiff()` it can be trained.
     ///
     /// # Errors
     /// When the sizes or the share cannot be, or a weight is missing or of another shape.
@@ -36,14 +36,19 @@ impl TrainableVae {
         dropout: f64,
         device: &Device,
     ) -> Result<Self, GenerateError> {
-        let source = Source::new(sizes, weights, dropout, device)?;
+        sizes.check()?;
+        if !(0.0..1.0).contains(&dropout) {
+            let (setting, value) = ("dropout", dropout.to_string());
+            return Err(GenerateError::Setting { setting, value, needed: "from 0 to below 1" });
+        }
+        let source = Source { weights, sizes, dropout, device };
         let tokens = [2 * sizes.latent_tokens, sizes.width];
         Ok(Self {
             global_motion_token: parameter(weights, "vae.global_motion_token", tokens, device)?,
             query_pos_encoder: source.positions("vae.query_pos_encoder")?,
-            encoder: source.stack("vae.encoder", sizes.vae_blocks, false, true)?,
+            encoder: source.stack("vae.encoder", sizes.vae_blocks, false)?,
             query_pos_decoder: source.positions("vae.query_pos_decoder")?,
-            decoder: source.stack("vae.decoder", sizes.vae_blocks, true, true)?,
+            decoder: source.stack("vae.decoder", sizes.vae_blocks, true)?,
             skel_embedding: source.linear("vae.skel_embedding", sizes.width, WIDTH)?,
             final_layer: source.linear("vae.final_layer", WIDTH, sizes.width)?,
             latent_tokens: sizes.latent_tokens,

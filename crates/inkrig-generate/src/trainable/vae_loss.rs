@@ -110,8 +110,7 @@ pub fn recovered_places(features: &Tensor<3>) -> Tensor<3> {
     Tensor::stack::<4>(with_root.collect(), 3).reshape([clips, frames, 3 * JOINTS])
 }
 
-/// Features as they were before they were normalised.
-pub fn restored(features: Tensor<3>, statistics: &Statistics, device: &Device) -> Tensor<3> {
+fn restored(features: Tensor<3>, statistics: &Statistics, device: &Device) -> Tensor<3> {
     let row = |numbers: &[f32]| {
         Tensor::<1>::from_data(TensorData::new(numbers.to_vec(), [WIDTH]), device).reshape([1, 1, WIDTH])
     };

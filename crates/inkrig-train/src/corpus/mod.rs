@@ -27,7 +27,5 @@ pub use part::{Part, PartClip};
 pub use poses::key_pose_frames;
 pub use statistics::CorpusStatistics;
 
-#[cfg(feature = "train")]
 pub(crate) use build::write;
-#[cfg(feature = "train")]
 pub(crate) use config::read_text;

@@ -88,8 +88,7 @@ impl Checkpoint {
             Ok(row)
         };
         let (weights, mean, square) = (row("weights")?, row("mean")?, row("square")?);
-        let average =
-            if tensors.names().contains(&"average") { Some(row("average")?) } else { None };
+        let average = if tensors.names().contains(&"average") { Some(row("average")?) } else { None };
         let others = [Some(&mean), Some(&square), average.as_ref()];
         if others.into_iter().flatten().any(|row| row.len() != weights.len()) {
             return Err(content("is damaged"));

@@ -6,6 +6,17 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
+/// What moves weights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Optimiser {
+    /// AdamW for all.
+    #[default]
+    AdamW,
+    /// Muon for the matrices inside blocks, AdamW for the rest.
+    Muon,
+}
+
 /// The course of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -18,6 +29,8 @@ pub struct Course {
     pub rate: f64,
     /// Steps until it is reached.
     pub warm_up: u64,
+    /// What moves weights.
+    pub optimiser: Optimiser,
     /// Decay of AdamW's two means.
     pub betas: (f64, f64),
     /// Decay of weights.
@@ -43,6 +56,7 @@ impl Default for Course {
             batch: 64,
             rate: 1e-3,
             warm_up: 200,
+            optimiser: Optimiser::AdamW,
             betas: (0.9, 0.99),
             weight_decay: 0.0,
             clip: 1.0,

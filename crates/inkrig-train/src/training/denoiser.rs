@@ -4,17 +4,15 @@ use super::course::{Course, Settings, broken, is_share, read_settings};
 use super::latents::{Cut, Drawing, Latents, windows};
 use super::motions;
 use super::run::{OnStep, Place, Report, run};
-use super::stage::{Loss, Stage, network, seed_of};
+use super::stage::{Stage, Weights, network, seed_of};
 use super::weights_file::{merged, named, read_weights, write_weights};
 use crate::TrainError;
 use crate::corpus::{Manifest, Split};
-use burn::module::Module;
-use burn::tensor::{Device, Tensor, TensorData};
 use inkrig_generate::checkpoint::ModelHeader;
+use inkrig_generate::learning::{DenoiserLearner, NoisyVerbs};
 use inkrig_generate::networks::{Denoiser, Noisy, Parts, Sizes, Vae, Work};
 use inkrig_generate::schedule::{Noise, NoiseSchedule, STEPS};
 use inkrig_generate::text::{VERBS, VerbTable};
-use inkrig_generate::trainable::{NoisyBatch, TimeWaves, TrainableDenoiser, TrainableVerbs};
 use inkrig_generate::weights::{Tensor as Plain, Tensors, random};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -105,7 +103,8 @@ impl DenoiserSettings {
     fn cut(&self, sizes: &Sizes) -> Result<Cut, TrainError> {
         let most = sizes.most_frames();
         let fits = [("frames", self.frames <= most), ("longest", self.longest <= most)];
-        let fits = fits.map(|(name, fits)| (name, fits, format!("at most {most}, which the autoencoder takes")));
+        let fits =
+            fits.map(|(name, fits)| (name, fits, format!("at most {most}, which the autoencoder takes")));
         broken(fits).map_err(TrainError::Device)?;
         let Self { frames, stride, other_lengths, shortest, longest, .. } = *self;
         Ok(Cut { frames, stride, other_lengths, shortest, longest })
@@ -142,8 +141,6 @@ pub fn train_denoiser(
         train: latents(Split::Train, true, cut)?,
         held_out: latents(Split::Val, false, Cut { other_lengths: 0.0, ..cut })?,
         schedule: NoiseSchedule::default(),
-        waves: TimeWaves::new(sizes.text_width),
-        device: Device::flex().autodiff(),
         base: named(&base, "vae."),
         settings,
         sizes,
@@ -152,19 +149,16 @@ pub fn train_denoiser(
     if stage.train.len() == 0 || stage.held_out.len() == 0 {
         return Err(TrainError::Device("the corpus has no clip as long as `shortest`".into()));
     }
-    let weights = match place.from {
-        Some(path) => read_weights(path)?.1,
+    let first = match place.from {
+        Some(path) => own_of(&read_weights(path)?.1),
         None => stage.beginning(),
     };
-    let (report, _) = run(&stage, stage.network(&weights)?, place, progress)?;
-    Ok(report)
+    Ok(run(&stage, first, place, progress)?.0)
 }
 
-/// The denoiser and the vectors of its texts.
-#[derive(Module, Debug)]
-pub(super) struct TextDenoiser {
-    pub(super) denoiser: TrainableDenoiser,
-    pub(super) verbs: TrainableVerbs,
+/// The tensors of a model that this stage trains.
+fn own_of(weights: &Tensors) -> Tensors {
+    merged(&named(weights, "denoiser.denoiser."), &named(weights, "text."))
 }
 
 struct DenoiserStage<'a> {
@@ -176,8 +170,6 @@ struct DenoiserStage<'a> {
     train: Latents,
     held_out: Latents,
     schedule: NoiseSchedule,
-    waves: TimeWaves,
-    device: Device,
 }
 
 impl DenoiserStage<'_> {
@@ -198,17 +190,10 @@ impl DenoiserStage<'_> {
         row(VerbTable::NOTHING, vec![width]);
         weights
     }
-
-    fn network(&self, weights: &Tensors) -> Result<TextDenoiser, TrainError> {
-        let denoiser = TrainableDenoiser::new(&self.sizes, weights, self.settings.dropout, &self.device);
-        let verbs = TrainableVerbs::new(weights, self.sizes.text_width, &self.device);
-        Ok(TextDenoiser { denoiser: denoiser.map_err(network)?, verbs: verbs.map_err(network)? })
-    }
 }
 
 impl Stage for DenoiserStage<'_> {
-    type Network = TextDenoiser;
-    type Beside = ();
+    type Replica = DenoiserLearner;
     /// How many samples, and the seed of what is drawn for them.
     type Work = (usize, u64);
 
@@ -222,48 +207,38 @@ impl Stage for DenoiserStage<'_> {
         serde_json::to_string(self.settings).unwrap_or_default()
     }
 
-    fn beside(&self) -> Result<(), TrainError> {
-        Ok(())
+    fn is_same(&self, settings: &str) -> bool {
+        serde_json::from_str::<DenoiserSettings>(settings).is_ok_and(|settings| settings == *self.settings)
+    }
+
+    fn replica(&self) -> Result<DenoiserLearner, TrainError> {
+        DenoiserLearner::new(&self.sizes, &self.beginning()).map_err(network)
     }
 
     fn draw(&self, step: u64, replicas: usize) -> Vec<Self::Work> {
         works(&self.settings.course, step, replicas)
     }
 
-    fn loss(
+    fn gradient(
         &self,
-        network: &TextDenoiser,
-        (): &(),
+        learner: &mut DenoiserLearner,
+        weights: Weights<'_>,
         (count, seed): Self::Work,
         _step: u64,
-    ) -> Result<Loss, TrainError> {
+        gradient: &mut Vec<f32>,
+    ) -> Result<Vec<f64>, TrainError> {
         let mut draw = Noise::new(seed);
-        let DenoiserSettings { text_dropped, mixed, .. } = *self.settings;
+        let DenoiserSettings { text_dropped, mixed, dropout, .. } = *self.settings;
         let (mut latents, verbs) = self.train.draw(count, Drawing { text_dropped, mixed }, &mut draw);
         let noise = draw.normals(latents.len());
         let timesteps = timesteps(count, &mut draw);
         let each = self.train.each;
-        for ((latent, noise), &step) in
-            latents.chunks_exact_mut(each).zip(noise.chunks_exact(each)).zip(&timesteps)
-        {
-            self.schedule.add_noise(latent, noise, step);
-        }
-        let shape = [count, self.sizes.latent_tokens, self.sizes.width];
-        let table = |numbers| Tensor::<3>::from_data(TensorData::new(numbers, shape), &self.device);
-        let batch = NoisyBatch {
-            latents: table(latents),
-            times: self.waves.of(&timesteps, &self.device),
-            texts: network.verbs.texts(&verbs),
-            guidance: None,
-        };
-        let off = network.denoiser.noise(&batch, None) - table(noise);
-        Ok(Loss { total: off.square().mean(), parts: Vec::new() })
-    }
-
-    fn tensors(&self, of: &TextDenoiser) -> Result<Tensors, TrainError> {
-        let mut tensors = of.denoiser.to_tensors().map_err(network)?;
-        tensors.extend(of.verbs.to_tensors().map_err(network)?);
-        Ok(tensors)
+        let rows = latents.chunks_exact_mut(each).zip(noise.chunks_exact(each));
+        rows.zip(&timesteps)
+            .for_each(|((latent, noise), &step)| self.schedule.add_noise(latent, noise, step));
+        let batch = NoisyVerbs { latents: &latents, noise: &noise, timesteps: &timesteps, verbs: &verbs };
+        let dropout = Some((dropout as f32, seed));
+        Ok(vec![learner.step(weights.now, &batch, dropout, gradient).map_err(network)?])
     }
 
     fn measure(&self, weights: &Tensors) -> Result<Vec<(&'static str, f64)>, TrainError> {
@@ -332,7 +307,8 @@ mod tests {
 
     #[test]
     fn settings_and_their_course_stand_in_one_flat_file() {
-        let settings: DenoiserSettings = parse_settings("batch = 32\nmixed = 0.25\nbetas = [0.5, 0.6]").unwrap();
+        let settings: DenoiserSettings =
+            parse_settings("batch = 32\nmixed = 0.25\nbetas = [0.5, 0.6]").unwrap();
         let usual = DenoiserSettings::default();
         let course = Course { batch: 32, betas: (0.5, 0.6), ..usual.course.clone() };
         assert_eq!(settings, DenoiserSettings { course, mixed: 0.25, ..usual });

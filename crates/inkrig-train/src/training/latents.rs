@@ -216,7 +216,8 @@ mod tests {
         let motions = [motion(60, &[3], 1.0), motion(15, &[1, 2], 3.0), motion(5, &[0], 1.0)];
         let cut = Cut { frames: 20, stride: 10, other_lengths: 0.5, shortest: 10, longest: 40 };
         let windows = windows(&motions, cut, 1);
-        let usual: Vec<_> = windows.iter().filter(|window| window.motion == 0 && window.frames == 20).collect();
+        let usual: Vec<_> =
+            windows.iter().filter(|window| window.motion == 0 && window.frames == 20).collect();
         assert!(usual.len() >= 5, "{windows:?}");
         assert!(windows.iter().any(|window| window.frames != 20 && window.motion == 0));
         assert!(windows.iter().all(|window| window.rows(&motions).len() == window.frames * WIDTH));
@@ -231,7 +232,8 @@ mod tests {
         let drawing = Drawing { text_dropped: 0.2, mixed: 0.0 };
         let (numbers, verbs) = latents.draw(2000, drawing, &mut Noise::new(4));
         assert_eq!(numbers.len(), 2000 * sizes.width);
-        let share = |wanted: Option<usize>| verbs.iter().filter(|verb| **verb == wanted).count() as f64 / 2000.0;
+        let share =
+            |wanted: Option<usize>| verbs.iter().filter(|verb| **verb == wanted).count() as f64 / 2000.0;
         for (verb, expected) in [(None, 0.2), (Some(3), 0.2), (Some(1), 0.3), (Some(2), 0.3)] {
             assert!((share(verb) - expected).abs() < 0.04, "{verb:?} {}", share(verb));
         }

@@ -2,13 +2,12 @@
 
 use super::adamw::{AdamW, Moments, clip};
 use super::checkpoint::{Checkpoint, State};
-use super::course::Course;
-use super::flat;
+use super::course::{Course, Optimiser};
 use super::log::{self, Row};
+use super::muon::{self, Matrix};
 use super::rate::rate;
-use super::stage::{Stage, seed_of};
+use super::stage::{Stage, Weights, network};
 use crate::TrainError;
-use inkrig_generate::trainable::dropping;
 use inkrig_generate::weights::Tensors;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -41,10 +40,10 @@ pub struct Report {
     pub complete: bool,
 }
 
-/// Runs a stage to its end or until it is stopped; gives also the last weights, as they were written.
+/// Runs a stage from these weights to its end or until it is stopped; gives also the last weights, as they were written.
 pub(super) fn run<S: Stage>(
     stage: &S,
-    first: S::Network,
+    first: Tensors,
     place: &Place<'_>,
     progress: &mut OnStep<'_>,
 ) -> Result<(Report, Tensors), TrainError> {
@@ -126,55 +125,45 @@ fn row_of<S: Stage>(
 struct Run<'a, S: Stage> {
     stage: &'a S,
     course: Course,
-    replicas: Vec<Replica<S>>,
+    replicas: Vec<(S::Replica, Vec<f32>)>,
+    /// Names and shapes.
+    first: Tensors,
     weights: Vec<f32>,
+    /// Those that Muon moves.
+    matrices: Vec<Matrix>,
     moments: Moments,
     average: Option<Vec<f32>>,
     state: State,
 }
 
-/// A copy of the network. It has tensors of its own: with shared ones burn 0.22.1 has one graph for all, whose locks two threads may
-/// take in opposite order (one while it registers an operation, the other while it goes back), and both wait for ever. And it has a
-/// pool of one thread, on which its operations stay.
-struct Replica<S: Stage> {
-    network: S::Network,
-    beside: S::Beside,
-    pool: rayon::ThreadPool,
-}
-
-/// A gradient, and the loss with its parts.
-type Gradient = (Vec<f32>, Vec<f64>);
-
 impl<'a, S: Stage> Run<'a, S> {
-    fn open(stage: &'a S, first: S::Network, place: &Place<'_>) -> Result<Self, TrainError> {
+    fn open(stage: &'a S, first: Tensors, place: &Place<'_>) -> Result<Self, TrainError> {
         let (course, own) = (stage.course(), stage.settings());
         let path = place.folder.join("checkpoint.safetensors");
+        let content = |what: &str| TrainError::Content { path: path.clone(), what: what.into() };
         let (weights, moments, average, state) = match Checkpoint::read(&path)? {
-            Some(checkpoint) if checkpoint.state.settings != own => {
-                let what =
-                    "belongs to a run with other settings: give another folder, or the settings of that run";
-                return Err(TrainError::Content { path, what: what.into() });
+            Some(checkpoint) if !stage.is_same(&checkpoint.state.settings) => {
+                return Err(content(
+                    "belongs to a run with other settings: give another folder, or the settings of that run",
+                ));
+            }
+            Some(checkpoint) if checkpoint.weights.len() != first.numbers() => {
+                return Err(content("holds another number of weights than the network"));
             }
             Some(checkpoint) => {
                 (checkpoint.weights, checkpoint.moments, checkpoint.average, checkpoint.state)
             }
             None => {
-                let weights = flat::numbers(&first)?;
+                let weights = first.row();
                 let moments = Moments::new(weights.len());
                 let average = (course.average > 0.0).then(|| weights.clone());
                 (weights, moments, average, State { settings: own, ..State::default() })
             }
         };
-        let replica = |network: S::Network| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-            let pool = pool.map_err(|error| TrainError::Threads(error.to_string()))?;
-            let mut beside = stage.beside()?;
-            stage.follow(&mut beside, average.as_ref().unwrap_or(&weights))?;
-            Ok(Replica { network: flat::with_numbers(network, &weights)?, beside, pool })
-        };
-        let replicas = vec![first; place.replicas.max(1)].into_iter().map(replica);
-        let replicas = replicas.collect::<Result<_, TrainError>>()?;
-        Ok(Self { stage, course, replicas, weights, moments, average, state })
+        let replica = |_| Ok((stage.replica()?, Vec::new()));
+        let replicas = (0..place.replicas.max(1)).map(replica).collect::<Result<_, TrainError>>()?;
+        let matrices = if course.optimiser == Optimiser::Muon { muon::matrices(&first) } else { Vec::new() };
+        Ok(Self { stage, course, replicas, first, weights, matrices, moments, average, state })
     }
 
     fn is_over(&self) -> bool {
@@ -185,21 +174,17 @@ impl<'a, S: Stage> Run<'a, S> {
 
     /// One step; gives the loss, its parts and the gradient's length.
     fn step(&mut self) -> Result<Vec<f64>, TrainError> {
-        let step = self.moments.step;
-        let stage = self.stage;
+        let (step, stage) = (self.moments.step, self.stage);
         let work = stage.draw(step, self.replicas.len());
-        let seed = seed_of(self.course.seed, step);
-        let results: Vec<Result<Gradient, TrainError>> = std::thread::scope(|scope| {
+        let weights =
+            Weights { now: &self.weights, average: self.average.as_deref().unwrap_or(&self.weights) };
+        let results: Vec<Result<Vec<f64>, TrainError>> = std::thread::scope(|scope| {
             let threads: Vec<_> = self
                 .replicas
-                .iter()
+                .iter_mut()
                 .zip(work)
-                .enumerate()
-                .map(|(at, (replica, work))| {
-                    let seed = seed.wrapping_add((at as u64) << 48);
-                    scope.spawn(move || {
-                        replica.pool.install(|| dropping(seed, || replica.gradient(stage, work, step)))
-                    })
+                .map(|((replica, gradient), work)| {
+                    scope.spawn(move || stage.gradient(replica, weights, work, step, gradient))
                 })
                 .collect();
             let failed = || TrainError::Device("a replica of the network broke off".into());
@@ -208,44 +193,26 @@ impl<'a, S: Stage> Run<'a, S> {
         let mut gradient = vec![0.0_f32; self.weights.len()];
         let mut parts = vec![0.0; S::PARTS.len() + 1];
         let share = 1.0 / self.replicas.len() as f32;
-        for result in results {
-            let (own, own_parts) = result?;
-            gradient.iter_mut().zip(&own).for_each(|(sum, part)| *sum += share * part);
-            parts.iter_mut().zip(own_parts).for_each(|(sum, part)| *sum += f64::from(share) * part);
+        for (result, (_, own)) in results.into_iter().zip(&self.replicas) {
+            gradient.iter_mut().zip(own).for_each(|(sum, part)| *sum += share * part);
+            parts.iter_mut().zip(result?).for_each(|(sum, part)| *sum += f64::from(share) * part);
         }
         parts.push(clip(&mut gradient, self.course.clip));
         if !parts.iter().all(|part| part.is_finite()) {
             return Err(TrainError::Diverged { step });
         }
         let adam = AdamW { betas: self.course.betas, weight_decay: self.course.weight_decay };
-        adam.step(&mut self.weights, &gradient, &mut self.moments, rate_at(&self.course, step));
+        let rate = rate_at(&self.course, step);
+        muon::step(&self.matrices, adam, &mut self.weights, &gradient, &mut self.moments, rate);
         if let Some(average) = &mut self.average {
             follow(average, &self.weights, self.course.average, step);
         }
-        self.take_over()?;
         Ok(parts)
-    }
-
-    /// Gives the replicas the new weights.
-    fn take_over(&mut self) -> Result<(), TrainError> {
-        let average = self.average.as_ref().unwrap_or(&self.weights);
-        for replica in std::mem::take(&mut self.replicas) {
-            let Replica { network, mut beside, pool } = replica;
-            self.stage.follow(&mut beside, average)?;
-            let network = flat::with_numbers(network, &self.weights)?;
-            self.replicas.push(Replica { network, beside, pool });
-        }
-        Ok(())
     }
 
     /// The weights that are measured and written.
     fn tensors(&self) -> Result<Tensors, TrainError> {
-        let none = || TrainError::Device("there is no network".into());
-        let network = &self.replicas.first().ok_or_else(none)?.network;
-        match &self.average {
-            Some(average) => self.stage.tensors(&flat::with_numbers(network.clone(), average)?),
-            None => self.stage.tensors(network),
-        }
+        self.first.with_row(self.average.as_ref().unwrap_or(&self.weights)).map_err(network)
     }
 
     fn save(&self, folder: &Path, seconds: f64) -> Result<(), TrainError> {
@@ -254,16 +221,6 @@ impl<'a, S: Stage> Run<'a, S> {
         let (weights, moments) = (self.weights.clone(), self.moments.clone());
         let checkpoint = Checkpoint { weights, moments, average: self.average.clone(), state };
         checkpoint.write(&folder.join("checkpoint.safetensors"))
-    }
-}
-
-impl<S: Stage> Replica<S> {
-    fn gradient(&self, stage: &S, work: S::Work, step: u64) -> Result<Gradient, TrainError> {
-        let loss = stage.loss(&self.network, &self.beside, work, step)?;
-        let number = |tensor: &burn::tensor::Tensor<1>| f64::from(tensor.clone().into_scalar::<f32>());
-        let parts = std::iter::once(&loss.total).chain(&loss.parts).map(number).collect();
-        let gradients = loss.total.backward();
-        Ok((flat::gradient(&self.network, &gradients)?, parts))
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a run of training is told.
 
-use super::course::{Course, broken, is_share};
+use super::course::{Course, Optimiser, broken, is_share};
 use crate::TrainError;
 use crate::corpus::read_text;
 use inkrig_generate::networks::Sizes;
@@ -23,14 +23,14 @@ pub struct VaeSettings {
     pub rate: f64,
     /// Steps until it is reached.
     pub warm_up: u64,
+    /// `adamw`, or `muon` for the matrices inside blocks.
+    pub optimiser: Optimiser,
     /// Decay of AdamW's two means.
     pub betas: (f64, f64),
     /// Decay of weights.
     pub weight_decay: f64,
     /// Longest gradient.
     pub clip: f64,
-    /// Share of numbers that are dropped.
-    pub dropout: f64,
     /// Weight of the divergence from a normal distribution.
     pub divergence: f64,
     /// Weight of the joints' places, metres.
@@ -68,10 +68,10 @@ impl Default for VaeSettings {
             batch: 64,
             rate: 1e-3,
             warm_up: 200,
+            optimiser: Optimiser::AdamW,
             betas: (0.9, 0.99),
             weight_decay: 0.0,
             clip: 1.0,
-            dropout: 0.0,
             divergence: 1e-5,
             places: 1.0,
             noise_from: 0.1,
@@ -114,8 +114,7 @@ impl VaeSettings {
         let most = sizes.most_frames();
         self.course().check()?;
         broken([
-            ("dropout", (0.0..1.0).contains(&self.dropout), "from 0 to below 1".to_string()),
-            ("divergence", self.divergence >= 0.0 && self.divergence.is_finite(), "0 or more".into()),
+            ("divergence", self.divergence >= 0.0 && self.divergence.is_finite(), "0 or more".to_string()),
             ("places", self.places >= 0.0 && self.places.is_finite(), "0 or more".into()),
             ("noise_from", is_share(self.noise_from), "0 to 1".into()),
             ("noise_until", is_share(self.noise_until), "0 to 1".into()),
@@ -135,6 +134,7 @@ impl VaeSettings {
             batch: self.batch,
             rate: self.rate,
             warm_up: self.warm_up,
+            optimiser: self.optimiser,
             betas: self.betas,
             weight_decay: self.weight_decay,
             clip: self.clip,

@@ -2,17 +2,13 @@
 
 use super::course::Course;
 use crate::TrainError;
-use burn::module::Module;
-use burn::tensor::Tensor;
 use inkrig_generate::weights::Tensors;
 use std::path::Path;
 
 /// A stage. Nothing in it changes along the way.
 pub(super) trait Stage: Sync {
-    /// What is trained: all of its weights are.
-    type Network: Module + Sync;
-    /// What stands beside it and is not trained. Every replica has its own.
-    type Beside: Send + Sync;
+    /// What one thread works with: buffers, and networks that are not trained.
+    type Replica: Send;
     /// What a replica needs to know of its part of a step.
     type Work: Send;
 
@@ -24,26 +20,24 @@ pub(super) trait Stage: Sync {
     /// What the run was told, as JSON.
     fn settings(&self) -> String;
 
-    fn beside(&self) -> Result<Self::Beside, TrainError>;
+    /// Whether a run was told the same. Settings that came after it began have their usual values there.
+    fn is_same(&self, settings: &str) -> bool;
+
+    fn replica(&self) -> Result<Self::Replica, TrainError>;
 
     /// The work of a step for so many replicas. What is drawn at random belongs to seed and step alone.
     fn draw(&self, step: u64, replicas: usize) -> Vec<Self::Work>;
 
-    fn loss(
+    /// The loss and its parts, in the order of [`Self::PARTS`], and the gradient, which replaces what is in the buffer: in the order of
+    /// [`Tensors::row`].
+    fn gradient(
         &self,
-        network: &Self::Network,
-        beside: &Self::Beside,
+        replica: &mut Self::Replica,
+        weights: Weights<'_>,
         work: Self::Work,
         step: u64,
-    ) -> Result<Loss, TrainError>;
-
-    /// After a step: takes over the mean of the weights, for stages whose loss needs it.
-    fn follow(&self, _beside: &mut Self::Beside, _average: &[f32]) -> Result<(), TrainError> {
-        Ok(())
-    }
-
-    /// The weights of a network by their published names.
-    fn tensors(&self, network: &Self::Network) -> Result<Tensors, TrainError>;
+        gradient: &mut Vec<f32>,
+    ) -> Result<Vec<f64>, TrainError>;
 
     /// Measures weights on held-out clips; the first number is the one that shall be small.
     fn measure(&self, weights: &Tensors) -> Result<Vec<(&'static str, f64)>, TrainError>;
@@ -52,12 +46,13 @@ pub(super) trait Stage: Sync {
     fn write(&self, path: &Path, weights: &Tensors) -> Result<(), TrainError>;
 }
 
-/// A loss that can be gone back from, and its parts.
-pub(super) struct Loss {
-    /// What is made small.
-    pub total: Tensor<1>,
-    /// In the order of [`Stage::PARTS`].
-    pub parts: Vec<Tensor<1>>,
+/// All weights that are trained, in a row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Weights<'a> {
+    pub now: &'a [f32],
+    /// Their mean along the way; the weights themselves where none is kept.
+    #[allow(dead_code, reason = "for distillation")]
+    pub average: &'a [f32],
 }
 
 /// Networks say no in their own words.

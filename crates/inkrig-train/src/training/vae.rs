@@ -4,16 +4,15 @@ use super::course::Course;
 use super::reconstruction::{Reconstruction, reconstruction};
 use super::run::{OnStep, Place, Report, run};
 use super::settings::VaeSettings;
-use super::stage::{Loss, Stage, network, seed_of};
-use super::weights_file::{header_of, read_weights, write_weights};
+use super::stage::{Stage, Weights, network, seed_of};
+use super::weights_file::{header_of, named, read_weights, write_weights};
 use super::windows::{Batch, Windows};
 use crate::TrainError;
 use crate::corpus::{CorpusStatistics, Manifest, Split};
-use burn::tensor::{Device, Tensor, TensorData};
 use inkrig_generate::checkpoint::ModelHeader;
+use inkrig_generate::learning::{VaeLearner, VaeObjective};
 use inkrig_generate::networks::{Parts, Sizes, Vae};
 use inkrig_generate::schedule::Noise;
-use inkrig_generate::trainable::{FrameMask, TrainableVae, VaeLoss, VaeLossWeights};
 use inkrig_generate::weights::{Tensors, random};
 use inkrig_motion::humanml::{Statistics, WIDTH};
 use std::path::Path;
@@ -41,17 +40,15 @@ pub fn train_vae(
         train: Windows::read(&manifest, Split::Train, &statistics, true, settings.balance)?,
         held_out: Windows::read(&manifest, Split::Val, &statistics, false, 0.0)?,
         header: header_of(&sizes, &stored),
-        device: Device::flex().autodiff(),
         settings,
         sizes,
         statistics,
     };
-    let weights = match place.from {
-        Some(path) => read_weights(path)?.1,
+    let first = match place.from {
+        Some(path) => named(&read_weights(path)?.1, "vae."),
         None => random(&stage.sizes, Parts::VAE, settings.seed),
     };
-    let first = TrainableVae::new(&stage.sizes, &weights, settings.dropout, &stage.device);
-    let (report, weights) = run(&stage, first.map_err(network)?, place, progress)?;
+    let (report, weights) = run(&stage, first, place, progress)?;
     let fitting = LENGTHS.into_iter().filter(|&frames| frames <= stage.sizes.most_frames());
     let held_out = fitting.map(|frames| stage.reconstruction(&weights, frames, usize::MAX));
     Ok((report, held_out.collect::<Result<_, _>>()?))
@@ -64,7 +61,6 @@ struct VaeStage<'a> {
     header: ModelHeader,
     train: Windows,
     held_out: Windows,
-    device: Device,
 }
 
 impl VaeStage<'_> {
@@ -80,8 +76,7 @@ impl VaeStage<'_> {
 }
 
 impl Stage for VaeStage<'_> {
-    type Network = TrainableVae;
-    type Beside = ();
+    type Replica = VaeLearner;
     /// Windows, and the noise on their latents.
     type Work = (Batch, Vec<f32>);
 
@@ -95,8 +90,12 @@ impl Stage for VaeStage<'_> {
         serde_json::to_string(self.settings).unwrap_or_default()
     }
 
-    fn beside(&self) -> Result<(), TrainError> {
-        Ok(())
+    fn is_same(&self, settings: &str) -> bool {
+        serde_json::from_str::<VaeSettings>(settings).is_ok_and(|settings| settings == *self.settings)
+    }
+
+    fn replica(&self) -> Result<VaeLearner, TrainError> {
+        VaeLearner::new(&self.sizes, &random(&self.sizes, Parts::VAE, 0)).map_err(network)
     }
 
     fn draw(&self, step: u64, replicas: usize) -> Vec<Self::Work> {
@@ -115,35 +114,27 @@ impl Stage for VaeStage<'_> {
         (0..replicas).map(part).collect()
     }
 
-    fn loss(
+    fn gradient(
         &self,
-        network: &TrainableVae,
-        (): &(),
-        (batch, latent_noise): Self::Work,
+        learner: &mut VaeLearner,
+        weights: Weights<'_>,
+        (batch, noise): Self::Work,
         step: u64,
-    ) -> Result<Loss, TrainError> {
-        let (settings, sizes, device) = (self.settings, &self.sizes, &self.device);
-        let clips = batch.lengths.len();
-        let mask = FrameMask::new(&batch.lengths, batch.frames);
-        let shape = [clips, batch.frames, WIDTH];
-        let features = Tensor::<3>::from_data(TensorData::new(batch.features, shape), device);
-        let shape = [clips, sizes.latent_tokens, sizes.width];
-        let noise = Tensor::<3>::from_data(TensorData::new(latent_noise, shape), device);
-        let (mean, log_variance) = network.encode(features.clone(), &mask);
-        let latent = TrainableVae::sample(mean.clone(), log_variance.clone(), noise, settings.noise_at(step));
-        let decoded = network.decode(&latent, &mask);
-        let weights = VaeLossWeights {
-            places: settings.places,
-            divergence: settings.divergence,
-            ..VaeLossWeights::default()
+        gradient: &mut Vec<f32>,
+    ) -> Result<Vec<f64>, TrainError> {
+        let objective = VaeObjective {
+            features: 1.0,
+            places: self.settings.places,
+            divergence: self.settings.divergence,
+            noise: self.settings.noise_at(step),
+            statistics: &self.statistics,
         };
-        let spread = (mean, log_variance);
-        let loss = VaeLoss::new(decoded, features, spread, &mask, &self.statistics, &weights);
-        Ok(Loss { total: loss.total, parts: vec![loss.features, loss.places, loss.divergence] })
-    }
-
-    fn tensors(&self, vae: &TrainableVae) -> Result<Tensors, TrainError> {
-        vae.to_tensors().map_err(network)
+        let clips = batch.features.chunks_exact(batch.frames * WIDTH).zip(&batch.lengths);
+        let features: Vec<f32> =
+            clips.flat_map(|(rows, length)| rows.iter().take(length * WIDTH)).copied().collect();
+        let clips = (&features[..], &batch.lengths[..]);
+        let losses = learner.step(weights.now, clips, &noise, &objective, gradient).map_err(network)?;
+        Ok(vec![losses.total, losses.features, losses.places, losses.divergence])
     }
 
     fn measure(&self, weights: &Tensors) -> Result<Vec<(&'static str, f64)>, TrainError> {

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// A corpus of one walk, to learn from and to measure on.
-pub fn corpus(desk: &Path) -> PathBuf {
+pub(crate) fn corpus(desk: &Path) -> PathBuf {
     let person = inkrig_samples::find("person").unwrap().bytes;
     for subject in ["ann", "bob"] {
         let folder = desk.join("data").join(subject);
@@ -22,6 +22,6 @@ pub fn corpus(desk: &Path) -> PathBuf {
 }
 
 /// Where a run works.
-pub fn place<'a>(corpus: &'a Path, folder: &'a Path, replicas: usize) -> Place<'a> {
+pub(crate) fn place<'a>(corpus: &'a Path, folder: &'a Path, replicas: usize) -> Place<'a> {
     Place { corpus, folder, from: None, replicas }
 }

@@ -14,7 +14,6 @@ mod root;
 mod sidecar;
 mod studio;
 mod suggest;
-#[cfg(feature = "train")]
 mod train;
 
 pub use align::{AlignArgs, ControlArgs, Norms, PresetArg, RotationArg, SolverArg, VelocityArg};
@@ -31,7 +30,6 @@ pub use root::{RootArgs, RootMode};
 pub use sidecar::SidecarArgs;
 pub use studio::StudioArgs;
 pub use suggest::SuggestArgs;
-#[cfg(feature = "train")]
 pub use train::{RunArgs, TrainArgs, TrainStage};
 
 use crate::numbers;
@@ -95,7 +93,6 @@ pub enum Command {
     #[command(after_help = suggest::EXAMPLES)]
     Suggest(SuggestArgs),
     /// Train the networks of the second engine on a corpus
-    #[cfg(feature = "train")]
     Train(TrainArgs),
     /// Print a completion script for your shell
     #[command(

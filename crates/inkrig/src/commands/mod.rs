@@ -21,7 +21,6 @@ mod retarget;
 mod settings;
 mod studio;
 mod suggest;
-#[cfg(feature = "train")]
 mod train;
 
 use crate::cli::{Cli, Command};
@@ -53,7 +52,6 @@ pub fn run(cli: Cli, matches: &ArgMatches) -> Result<(), CliError> {
         Command::Model(args) => model::run(&args, &console),
         Command::Studio(args) => studio::run(&args, &console),
         Command::Suggest(args) => suggest::run(&args, &console),
-        #[cfg(feature = "train")]
         Command::Train(args) => train::run(&args, &console),
         Command::Completions { shell } => {
             let mut script = Vec::new();
