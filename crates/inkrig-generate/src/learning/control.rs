@@ -62,6 +62,7 @@ pub struct ControlLosses {
 #[derive(Debug)]
 pub struct ControlLearner<'a> {
     sizes: Sizes,
+    domain: Domain,
     weights: Tensors,
     vae: &'a Vae,
     denoiser: Denoiser,
@@ -76,7 +77,8 @@ pub struct ControlLearner<'a> {
 }
 
 impl<'a> ControlLearner<'a> {
-    /// `weights` holds the tensors that are trained and no others; those of the denoiser are in `base`. `features` and `places` are the
+    /// `weights` holds the tensors that have gradients and no others: ControlNet, adapter and the encoders of a domain; those of the
+    /// denoiser are in `base`. `features` and `places` are the
     /// statistics of features and of joints' places.
     ///
     /// # Errors
@@ -85,11 +87,13 @@ impl<'a> ControlLearner<'a> {
         sizes: &Sizes,
         weights: &Tensors,
         (vae, base): (&'a Vae, &Tensors),
+        domain: Domain,
         features: &'a Statistics,
         places: &'a Statistics,
     ) -> Result<Self, GenerateError> {
-        Parts::new(sizes, weights)?;
+        Parts::new(sizes, weights, domain)?;
         Ok(Self {
+            domain,
             sizes: sizes.clone(),
             weights: weights.clone(),
             vae,
@@ -120,7 +124,7 @@ impl<'a> ControlLearner<'a> {
     ) -> Result<ControlLosses, GenerateError> {
         let count = batch.check(&self.sizes)?;
         let weights = self.weights.with_row(row)?;
-        let parts = Parts::new(&self.sizes, &weights)?;
+        let parts = Parts::new(&self.sizes, &weights, self.domain)?;
         let width = self.sizes.width;
         let latent = self.sizes.latent_tokens * width;
         let each = latent + 2 * width;
@@ -267,12 +271,12 @@ struct Parts {
 }
 
 impl Parts {
-    fn new(sizes: &Sizes, weights: &Tensors) -> Result<Self, GenerateError> {
+    fn new(sizes: &Sizes, weights: &Tensors, domain: Domain) -> Result<Self, GenerateError> {
         Ok(Self {
             control: ControlNet::new(sizes, weights)?,
             adapter: Adapter::new(sizes, weights)?,
-            trajectory: ConditionEncoder::trajectory(sizes, weights, Domain::Space)?,
-            keypose: ConditionEncoder::keypose(sizes, weights, Domain::Space)?,
+            trajectory: ConditionEncoder::trajectory(sizes, weights, domain)?,
+            keypose: ConditionEncoder::keypose(sizes, weights, domain)?,
         })
     }
 }
@@ -317,7 +321,7 @@ fn scatter(from: &Residuals, which: &[usize], each: usize, into: &mut Residuals)
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::testing::check_gradient;
     use super::*;
     use crate::networks::{Parts as Networks, tensors};
@@ -326,16 +330,16 @@ mod tests {
     use crate::weights::hashed;
     use inkrig_motion::humanml::WIDTH;
 
-    struct Made {
-        sizes: Sizes,
-        own: Tensors,
-        all: Tensors,
-        vae: Vae,
-        features: Statistics,
-        places: Statistics,
+    pub(in super::super) struct Made {
+        pub(in super::super) sizes: Sizes,
+        pub(in super::super) own: Tensors,
+        pub(in super::super) all: Tensors,
+        pub(in super::super) vae: Vae,
+        pub(in super::super) features: Statistics,
+        pub(in super::super) places: Statistics,
     }
 
-    fn made() -> Made {
+    pub(in super::super) fn made() -> Made {
         let sizes = Sizes { latent_tokens: 2, guidance_width: 0, ..Sizes::tiny() };
         let all = hashed(&sizes, Networks::ALL);
         let control = Networks { vae: false, denoiser: false, control: true, control_2d: false };
@@ -443,7 +447,8 @@ mod tests {
         let objective = ControlObjective { noise: 1.0, trajectory: 0.0, keypose: 0.0, signal_power: 0.0 };
         let parts = (&made.vae, &made.all);
         let mut learner =
-            ControlLearner::new(&made.sizes, &made.own, parts, &made.features, &made.places).unwrap();
+            ControlLearner::new(&made.sizes, &made.own, parts, Domain::Space, &made.features, &made.places)
+                .unwrap();
         let losses = learner.step(&made.own.row(), &batch, &objective, None, &mut Vec::new()).unwrap();
         assert!(losses.noise < 1e-8, "{losses:?}");
     }

@@ -3,16 +3,20 @@
 //! A gradient is one row of numbers in the order of [`crate::weights::Tensors::row`]; an optimiser moves that row, and the network is made
 //! of it anew.
 
+mod align;
 mod control;
 mod decoded;
 mod denoiser;
+mod distill;
 mod orthogonal;
 #[cfg(test)]
 mod testing;
 mod vae;
 
+pub use align::{AlignBatch, AlignLearner, AlignLosses, AlignObjective};
 pub use control::{ControlBatch, ControlLearner, ControlLosses, ControlObjective};
 pub use decoded::Wanted;
 pub use denoiser::{DenoiserLearner, NoisyVerbs};
+pub use distill::{DistillBatch, DistillLearner};
 pub use orthogonal::orthogonalise;
 pub use vae::{VaeLearner, VaeLosses, VaeObjective};

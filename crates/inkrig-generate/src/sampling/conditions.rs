@@ -110,6 +110,16 @@ impl Conditions {
         }
     }
 
+    /// The frames of the trajectory that ask for something, with 66 normalised numbers each.
+    pub fn trajectory(&self) -> &[(usize, Vec<f32>)] {
+        &self.trajectory
+    }
+
+    /// The frame of the key pose, and its 66 normalised numbers.
+    pub fn keypose(&self) -> Option<&(usize, Vec<f32>)> {
+        self.keypose.as_ref()
+    }
+
     /// Whether both have the same kinds of conditions, so that they can be run at once.
     pub(crate) fn alike(&self, other: &Self) -> bool {
         self.domain == other.domain

@@ -37,9 +37,7 @@ impl Lcm {
     pub fn step(&self, latent: &mut [f32], noise: &[f32], timestep: usize, next: Option<(usize, &[f32])>) {
         let alpha = self.schedule.alpha(timestep);
         let (keep, add) = (alpha.sqrt(), (1.0 - alpha).sqrt());
-        let scaled = 10.0 * timestep as f32;
-        let skip = 0.25 / (scaled * scaled + 0.25);
-        let out = scaled / (scaled * scaled + 0.25).sqrt();
+        let (skip, out) = boundary(timestep);
         for (value, &noise) in latent.iter_mut().zip(noise) {
             *value = out * ((*value - add * noise) / keep) + skip * *value;
         }
@@ -52,6 +50,13 @@ impl Lcm {
     pub fn schedule(&self) -> &NoiseSchedule {
         &self.schedule
     }
+}
+
+/// How much of a latent, and of what is reckoned to be behind its noise, a consistency model's answer is made of: at no noise it is the
+/// latent itself.
+pub(crate) fn boundary(timestep: usize) -> (f32, f32) {
+    let scaled = 10.0 * timestep as f32;
+    (0.25 / (scaled * scaled + 0.25), scaled / (scaled * scaled + 0.25).sqrt())
 }
 
 #[cfg(test)]

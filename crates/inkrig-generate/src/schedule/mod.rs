@@ -8,5 +8,6 @@ mod noise;
 pub use betas::{NoiseSchedule, STEPS};
 pub use ddim::Ddim;
 pub use lcm::Lcm;
+pub(crate) use lcm::boundary;
 pub use noise::Noise;
 pub(crate) use noise::mix;

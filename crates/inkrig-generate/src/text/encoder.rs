@@ -41,6 +41,12 @@ impl VerbTable {
         let nothing = weights.expect(Self::NOTHING, &[width.max(1)])?.to_vec();
         Ok(Self { width: width.max(1), verbs, nothing })
     }
+
+    /// The vector of a verb by its place in [`VERBS`]; that of no text where there is none.
+    pub fn row(&self, verb: Option<usize>) -> &[f32] {
+        let row = verb.and_then(|verb| self.verbs.chunks_exact(self.width).nth(verb));
+        row.unwrap_or(&self.nothing)
+    }
 }
 
 impl TextEncoder for VerbTable {

@@ -101,13 +101,8 @@ impl DenoiserSettings {
     }
 
     fn cut(&self, sizes: &Sizes) -> Result<Cut, TrainError> {
-        let most = sizes.most_frames();
-        let fits = [("frames", self.frames <= most), ("longest", self.longest <= most)];
-        let fits =
-            fits.map(|(name, fits)| (name, fits, format!("at most {most}, which the autoencoder takes")));
-        broken(fits).map_err(TrainError::Device)?;
         let Self { frames, stride, other_lengths, shortest, longest, .. } = *self;
-        Ok(Cut { frames, stride, other_lengths, shortest, longest })
+        Cut { frames, stride, other_lengths, shortest, longest }.checked(sizes)
     }
 }
 

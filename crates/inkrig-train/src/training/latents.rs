@@ -1,9 +1,10 @@
 //! Windows of motion as latents: worked out once, drawn from at every step.
 
+use super::course::broken;
 use super::motions::Motion;
 use super::stage::network;
 use crate::TrainError;
-use inkrig_generate::networks::Vae;
+use inkrig_generate::networks::{Sizes, Vae};
 use inkrig_generate::schedule::Noise;
 use inkrig_generate::text::VERBS;
 use inkrig_motion::humanml::WIDTH;
@@ -33,6 +34,17 @@ pub(super) struct Cut {
     pub shortest: usize,
     /// The longest of those.
     pub longest: usize,
+}
+
+impl Cut {
+    /// The same, if the autoencoder takes such windows.
+    pub(super) fn checked(self, sizes: &Sizes) -> Result<Self, TrainError> {
+        let most = sizes.most_frames();
+        let fits = [("frames", self.frames <= most), ("longest", self.longest <= most)];
+        let range = format!("at most {most}, which the autoencoder takes");
+        broken(fits.map(|(name, fits)| (name, fits, range.clone()))).map_err(TrainError::Device)?;
+        Ok(self)
+    }
 }
 
 /// Windows of all clips. A clip that is shorter than one is a window of its own, unless it is shorter than the shortest.
@@ -203,7 +215,7 @@ impl Latents {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use inkrig_generate::networks::{Parts, Sizes};
+    use inkrig_generate::networks::Parts;
     use inkrig_generate::weights::hashed;
 
     fn motion(frames: usize, verbs: &[usize], weight: f64) -> Motion {

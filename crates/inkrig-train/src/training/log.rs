@@ -39,19 +39,23 @@ pub(super) fn append(path: &Path, row: &Row) -> Result<(), TrainError> {
     writeln!(file, "{line}").map_err(failed)
 }
 
+/// All lines; one that was cut off by a crash is none.
+pub(super) fn read(path: &Path) -> Result<Vec<Row>, TrainError> {
+    let text = crate::corpus::read_text(path)?;
+    Ok(text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect())
+}
+
 /// All lines up to a step. What stands behind it was taken back when a run was killed, and is taken out of the file.
 pub(super) fn read_until(path: &Path, step: u64) -> Result<Vec<Row>, TrainError> {
     if !path.exists() {
         return Ok(Vec::new());
     }
-    let text = crate::corpus::read_text(path)?;
-    // A line that was cut off by a crash is none.
-    let rows = text.lines().filter_map(|line| serde_json::from_str::<Row>(line).ok());
-    let rows: Vec<Row> = rows.filter(|row| row.step <= step).collect();
-    let lines = rows.iter().map(|row| serde_json::to_string(row).unwrap_or_default() + "\n");
-    let kept: String = lines.collect();
-    if kept != text {
-        crate::corpus::write(path, kept.as_bytes())?;
+    let all = read(path)?;
+    let count = all.len();
+    let rows: Vec<Row> = all.into_iter().filter(|row| row.step <= step).collect();
+    if rows.len() < count {
+        let lines = rows.iter().map(|row| serde_json::to_string(row).unwrap_or_default() + "\n");
+        crate::corpus::write(path, lines.collect::<String>().as_bytes())?;
     }
     Ok(rows)
 }

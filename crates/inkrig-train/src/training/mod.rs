@@ -5,13 +5,20 @@
 //! seed and the step alone, so that a run that was stopped goes on as if it had not been.
 
 mod adamw;
+mod align;
 mod checkpoint;
+mod conditions;
+mod control;
+mod control_measure;
 mod course;
+mod curves;
 mod denoiser;
+mod distill;
 mod latents;
 mod log;
 mod motions;
 mod muon;
+mod picture;
 mod rate;
 mod reconstruction;
 mod run;
@@ -21,9 +28,14 @@ mod vae;
 mod weights_file;
 mod windows;
 
+pub use align::{AlignSettings, train_align};
+pub use control::{ControlSettings, train_control};
 pub use course::{Course, Optimiser};
+pub use curves::curves;
 pub use denoiser::{DenoiserSettings, train_denoiser};
+pub use distill::{DistillSettings, train_distill};
 pub use log::Row;
+pub use picture::Drawing;
 pub use reconstruction::{Reconstruction, reconstruction};
 pub use run::{OnStep, Place, Report};
 pub use settings::VaeSettings;

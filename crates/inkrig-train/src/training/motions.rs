@@ -14,7 +14,6 @@ pub(super) struct Motion {
     /// What is done in it, as places in the list of verbs.
     pub verbs: Vec<usize>,
     /// Frames worth a key pose.
-    #[allow(dead_code, reason = "for control")]
     pub key_poses: Vec<usize>,
     /// How often a second of it is taken; 1 where all are alike.
     pub weight: f64,

@@ -51,7 +51,6 @@ pub(super) trait Stage: Sync {
 pub(super) struct Weights<'a> {
     pub now: &'a [f32],
     /// Their mean along the way; the weights themselves where none is kept.
-    #[allow(dead_code, reason = "for distillation")]
     pub average: &'a [f32],
 }
 

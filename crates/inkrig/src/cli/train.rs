@@ -18,6 +18,24 @@ Examples:
   inkrig train denoiser --vae runs/vae/best.safetensors --corpus corpus -o runs/denoiser
       then: inkrig generate --model runs/denoiser/best.safetensors --word walk -o walk.bvh";
 
+pub(super) const CONTROL_EXAMPLES: &str = "\
+Examples:
+  inkrig train control --model runs/denoiser/best.safetensors --corpus corpus -o runs/control
+      then: inkrig generate --model runs/control/best.safetensors --word kick --trajectory3d foot.json -o kick.bvh";
+
+pub(super) const ALIGN_EXAMPLES: &str = "\
+Examples:
+  inkrig train align --model runs/control/best.safetensors --corpus corpus -o runs/align";
+
+pub(super) const DISTILL_EXAMPLES: &str = "\
+Examples:
+  inkrig train distill --model runs/align/best.safetensors --corpus corpus -o runs/distill
+      a whole model with control: inkrig generate --model runs/distill/best.safetensors --word kick --steps 2 -o kick.bvh";
+
+pub(super) const CURVES_EXAMPLES: &str = "\
+Examples:
+  inkrig train curves runs/vae -o curves.html";
+
 /// Arguments of `inkrig train`.
 #[derive(Debug, Args)]
 pub struct TrainArgs {
@@ -45,6 +63,49 @@ pub enum TrainStage {
         #[command(flatten)]
         /// Where and how long.
         run: RunArgs,
+    },
+    /// Control by trajectories and key poses in space, on a finished denoiser
+    #[command(after_help = CONTROL_EXAMPLES)]
+    Control {
+        /// The denoiser: a model file that inkrig train denoiser wrote
+        #[arg(long, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
+        model: PathBuf,
+        #[command(flatten)]
+        /// Where and how long.
+        run: RunArgs,
+    },
+    /// Encoders of drawn trajectories and key poses, on finished control
+    #[command(after_help = ALIGN_EXAMPLES)]
+    Align {
+        /// The control: a model file that inkrig train control wrote
+        #[arg(long, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
+        model: PathBuf,
+        #[command(flatten)]
+        /// Where and how long.
+        run: RunArgs,
+    },
+    /// The denoiser once more, for one to four steps
+    #[command(after_help = DISTILL_EXAMPLES)]
+    Distill {
+        /// A model file of any stage after the denoiser
+        #[arg(long, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
+        model: PathBuf,
+        #[command(flatten)]
+        /// Where and how long.
+        run: RunArgs,
+    },
+    /// The log of a run as a page with pictures
+    #[command(after_help = CURVES_EXAMPLES)]
+    Curves {
+        /// The folder of the run
+        #[arg(value_name = "RUN", value_hint = ValueHint::DirPath)]
+        run: PathBuf,
+        /// The page to write
+        #[arg(long, short, value_name = "FILE.html", value_hint = ValueHint::FilePath)]
+        out: PathBuf,
+        /// Replace a file that is there already
+        #[arg(long)]
+        force: bool,
     },
 }
 

@@ -3,10 +3,12 @@
 use crate::cli::{RunArgs, TrainArgs, TrainStage};
 use crate::console::Console;
 use crate::error::CliError;
+use crate::output::Output;
 use crate::printable::{self, fixed};
 use inkrig_train::TrainError;
 use inkrig_train::training::{
-    DenoiserSettings, OnStep, Place, Reconstruction, Report, Row, VaeSettings, train_denoiser, train_vae,
+    AlignSettings, ControlSettings, DenoiserSettings, DistillSettings, OnStep, Place, Reconstruction, Report,
+    Row, VaeSettings, curves, train_align, train_control, train_denoiser, train_distill, train_vae,
 };
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -25,6 +27,30 @@ pub(super) fn run(args: &TrainArgs, console: &Console) -> Result<(), CliError> {
             let report =
                 watched(run, console, |place, progress| train_denoiser(place, vae, &settings, progress))?;
             finish(run, console, &report, &[])
+        }
+        TrainStage::Control { model, run } => {
+            let settings = settings(run, ControlSettings::read)?;
+            let report =
+                watched(run, console, |place, progress| train_control(place, model, &settings, progress))?;
+            finish(run, console, &report, &[])
+        }
+        TrainStage::Align { model, run } => {
+            let settings = settings(run, AlignSettings::read)?;
+            let report =
+                watched(run, console, |place, progress| train_align(place, model, &settings, progress))?;
+            finish(run, console, &report, &[])
+        }
+        TrainStage::Distill { model, run } => {
+            let settings = settings(run, DistillSettings::read)?;
+            let report =
+                watched(run, console, |place, progress| train_distill(place, model, &settings, progress))?;
+            finish(run, console, &report, &[])
+        }
+        TrainStage::Curves { run, out, force } => {
+            let output = Output { force: *force };
+            output.check(out)?;
+            output.write(out, curves(run)?.as_bytes())?;
+            console.say(format!("wrote {}", printable::path(out)))
         }
     }
 }
