@@ -81,7 +81,10 @@ impl<'a> AlignLearner<'a> {
         };
         let stays = model.iter().filter(|(name, _)| control(name));
         let stays = stays.map(|(name, tensor)| (name.to_string(), tensor.clone()));
-        let all: Tensors = stays.chain(weights.clone()).collect();
+        let mut all: Tensors = stays.chain(weights.clone()).collect();
+        if weights.in_half_precision() {
+            all.prefer_half_precision();
+        }
         let encoders = (
             ConditionEncoder::trajectory(sizes, model, Domain::Space)?,
             ConditionEncoder::keypose(sizes, model, Domain::Space)?,

@@ -7,7 +7,6 @@ use crate::networks::{
     Adapter, BranchTape, ConditionEncoder, ConditionRows, ControlNet, ControlTape, Denoiser, Domain, Dropout,
     EncoderTape, InputGradients, Residuals, Samples, SideGradients, Sizes, Vae, WaveTable, WeightGradients,
 };
-use crate::numeric::elementwise::add;
 use crate::numeric::product::OuterWork;
 use crate::schedule::NoiseSchedule;
 use crate::weights::Tensors;
@@ -356,6 +355,14 @@ pub(super) mod tests {
         }
     }
 
+    impl Made {
+        fn learner(&self) -> ControlLearner<'_> {
+            let parts = (&self.vae, &self.all);
+            ControlLearner::new(&self.sizes, &self.own, parts, Domain::Space, &self.features, &self.places)
+                .unwrap()
+        }
+    }
+
     fn rows(seed: u64, frames: &[usize]) -> ConditionRows {
         let mut noise = Noise::new(seed);
         frames.iter().map(|&frame| (frame, noise.normals(66))).collect()
@@ -385,9 +392,7 @@ pub(super) mod tests {
             wanted: &wanted,
         };
         let objective = ControlObjective { noise: 1.0, trajectory: 0.02, keypose: 0.03, signal_power: 0.5 };
-        let mut learner =
-            ControlLearner::new(&made.sizes, &made.own, (&made.vae, &made.all), &made.features, &made.places)
-                .unwrap();
+        let mut learner = made.learner();
         for dropout in [None, Some((0.1, 5))] {
             check_gradient(&made.own, &[".pe"], |row| {
                 let mut gradient = Vec::new();
@@ -445,10 +450,7 @@ pub(super) mod tests {
             wanted: &[],
         };
         let objective = ControlObjective { noise: 1.0, trajectory: 0.0, keypose: 0.0, signal_power: 0.0 };
-        let parts = (&made.vae, &made.all);
-        let mut learner =
-            ControlLearner::new(&made.sizes, &made.own, parts, Domain::Space, &made.features, &made.places)
-                .unwrap();
+        let mut learner = made.learner();
         let losses = learner.step(&made.own.row(), &batch, &objective, None, &mut Vec::new()).unwrap();
         assert!(losses.noise < 1e-8, "{losses:?}");
     }

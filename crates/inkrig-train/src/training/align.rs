@@ -138,7 +138,7 @@ pub fn train_align(
     progress: &mut OnStep<'_>,
 ) -> Result<Report, TrainError> {
     settings.check().map_err(TrainError::Device)?;
-    let base = Base::read(model)?;
+    let base = Base::read(model, &settings.course)?;
     let what = if !Parts::of(&base.weights).control {
         Some("has no control: train that first")
     } else if base.header.is_distilled() {
@@ -221,8 +221,8 @@ impl<'a> Stage for AlignStage<'a> {
 
     fn replica(&self) -> Result<AlignLearner<'a>, TrainError> {
         let base = self.base;
-        let parts = (&base.vae, &base.weights);
-        let own = self.beginning();
+        let parts = (&base.quick_vae, &base.quick);
+        let own = self.settings.course.for_learning(self.beginning());
         AlignLearner::new(&base.header.sizes, &own, parts, &base.features, &base.places).map_err(network)
     }
 

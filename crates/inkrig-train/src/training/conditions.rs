@@ -9,6 +9,7 @@ use inkrig_generate::networks::ConditionRows;
 use inkrig_generate::sampling::{Conditions, Request, Semantics};
 use inkrig_generate::schedule::Noise;
 use inkrig_motion::Features;
+use inkrig_motion::glam::Vec3;
 use inkrig_motion::humanml::{Joints, Statistics, WIDTH, augment, recover_positions};
 
 /// The fewest frames of a trajectory at the beginning or the end.
@@ -85,7 +86,7 @@ impl Drawer<'_> {
         };
         let conditions = Conditions::new(&request, self.places, Semantics::Paper).map_err(network)?;
         Ok(Drawn {
-            places: joints.iter().flatten().flat_map(|joint| joint.to_array()).collect(),
+            places: joints.iter().flatten().flat_map(Vec3::to_array).collect(),
             trajectory: conditions.trajectory().to_vec(),
             keypose: conditions.keypose().into_iter().cloned().collect(),
             asked,

@@ -171,7 +171,7 @@ pub fn train_control(
     progress: &mut OnStep<'_>,
 ) -> Result<Report, TrainError> {
     settings.check().map_err(TrainError::Device)?;
-    let base = Base::read(model)?;
+    let base = Base::read(model, &settings.course)?;
     let cut = settings.cut(&base.header.sizes)?;
     let manifest = Manifest::read(place.corpus)?;
     let read = |split, mirrored| motions::read(&manifest, split, &base.features, mirrored, settings.balance);
@@ -200,19 +200,25 @@ pub(super) struct Base {
     pub header: ModelHeader,
     pub weights: Tensors,
     pub vae: Vae,
+    /// The same for learning: perhaps in half precision.
+    pub quick: Tensors,
+    pub quick_vae: Vae,
     pub verbs: VerbTable,
     pub features: Statistics,
     pub places: Statistics,
 }
 
 impl Base {
-    pub(super) fn read(path: &Path) -> Result<Self, TrainError> {
+    pub(super) fn read(path: &Path, course: &Course) -> Result<Self, TrainError> {
         let content = |what: String| TrainError::Content { path: path.into(), what };
         let (header, weights) = read_weights(path)?;
         let (features, places) = header.statistics().map_err(|error| content(error.to_string()))?;
         let of = |error: inkrig_generate::GenerateError| content(error.to_string());
+        let quick = course.for_learning(weights.clone());
         Ok(Self {
             vae: Vae::new(&header.sizes, &weights).map_err(of)?,
+            quick_vae: Vae::new(&header.sizes, &quick).map_err(of)?,
+            quick,
             verbs: VerbTable::new(&weights, header.sizes.text_width).map_err(of)?,
             header,
             weights,
@@ -284,9 +290,9 @@ impl<'a> Stage for ControlStage<'a> {
     }
 
     fn replica(&self) -> Result<ControlLearner<'a>, TrainError> {
-        let base = self.base;
-        let parts = (&base.vae, &base.weights);
-        let own = self.beginning();
+        let (base, course) = (self.base, &self.settings.course);
+        let parts = (&base.quick_vae, &base.quick);
+        let own = course.for_learning(self.beginning());
         let sizes = &base.header.sizes;
         ControlLearner::new(sizes, &own, parts, Domain::Space, &base.features, &base.places).map_err(network)
     }

@@ -2,6 +2,7 @@
 
 use crate::TrainError;
 use crate::corpus::read_text;
+use inkrig_generate::weights::Tensors;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -39,6 +40,8 @@ pub struct Course {
     pub clip: f64,
     /// What is measured and written is a mean of the weights along the way, of which a step keeps this share; 0: the weights themselves.
     pub average: f64,
+    /// Whether factors are multiplied in half precision where the processor has tiles for it; sums and weights are single.
+    pub half_precision: bool,
     /// Steps from one measurement to the next.
     pub measure_every: u64,
     /// Steps from one checkpoint to the next.
@@ -61,6 +64,7 @@ impl Default for Course {
             weight_decay: 0.0,
             clip: 1.0,
             average: 0.0,
+            half_precision: true,
             measure_every: 250,
             save_every: 100,
             patience: 0,
@@ -86,6 +90,14 @@ pub(super) fn is_share(value: f64) -> bool {
 }
 
 impl Course {
+    /// Weights of which learners make networks.
+    pub(super) fn for_learning(&self, mut weights: Tensors) -> Tensors {
+        if self.half_precision {
+            weights.prefer_half_precision();
+        }
+        weights
+    }
+
     pub(super) fn check(&self) -> Result<(), String> {
         let share = is_share;
         broken([

@@ -25,10 +25,8 @@ pub fn curves(folder: &Path) -> Result<String, TrainError> {
     for name in held_out.chain(parts) {
         pictures += &picture(name, &rows, |row| row.value(name));
     }
-    let others: [(&str, fn(&Row) -> f64); 3] =
-        [("loss", |row| row.loss), ("gradient", |row| row.gradient), ("rate", |row| row.rate)];
-    for (name, of) in others {
-        pictures += &picture(name, &rows, |row| Some(of(row)));
+    for (name, of) in [("loss", 0), ("gradient", 1), ("rate", 2)] {
+        pictures += &picture(name, &rows, |row| [row.loss, row.gradient, row.rate].get(of).copied());
     }
     let title = escaped(&folder.file_name().unwrap_or_default().to_string_lossy());
     let (step, minutes) = (last.step, last.seconds / 60.0);

@@ -207,7 +207,8 @@ impl Stage for DenoiserStage<'_> {
     }
 
     fn replica(&self) -> Result<DenoiserLearner, TrainError> {
-        DenoiserLearner::new(&self.sizes, &self.beginning()).map_err(network)
+        let weights = self.settings.course.for_learning(self.beginning());
+        DenoiserLearner::new(&self.sizes, &weights).map_err(network)
     }
 
     fn draw(&self, step: u64, replicas: usize) -> Vec<Self::Work> {

@@ -118,7 +118,7 @@ pub fn train_distill(
     progress: &mut OnStep<'_>,
 ) -> Result<Report, TrainError> {
     settings.check().map_err(TrainError::Device)?;
-    let base = Base::read(model)?;
+    let base = Base::read(model, &settings.course)?;
     if base.header.is_distilled() {
         let what = "is distilled already: give the model that it was distilled from".into();
         return Err(TrainError::Content { path: model.into(), what });
@@ -248,8 +248,9 @@ impl Stage for DistillStage<'_> {
     }
 
     fn replica(&self) -> Result<DistillLearner, TrainError> {
-        let teacher = named(&self.base.weights, "denoiser.denoiser.");
-        let (own, huber) = (self.beginning()?, self.settings.huber);
+        let (course, huber) = (&self.settings.course, self.settings.huber);
+        let teacher = course.for_learning(named(&self.base.weights, "denoiser.denoiser."));
+        let own = course.for_learning(self.beginning()?);
         DistillLearner::new(&self.sizes, &own, &teacher, &self.no_text, huber).map_err(network)
     }
 

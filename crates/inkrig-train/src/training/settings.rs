@@ -49,6 +49,8 @@ pub struct VaeSettings {
     pub longest: usize,
     /// 0: every second of motion as often; 1: every action.
     pub balance: f64,
+    /// Whether factors are multiplied in half precision where the processor has tiles for it; sums and weights are single.
+    pub half_precision: bool,
     /// Steps from one measurement to the next.
     pub measure_every: u64,
     /// Steps from one checkpoint to the next.
@@ -81,6 +83,7 @@ impl Default for VaeSettings {
             shortest: 20,
             longest: 120,
             balance: 0.3,
+            half_precision: true,
             measure_every: 250,
             save_every: 100,
             patience: 0,
@@ -139,6 +142,7 @@ impl VaeSettings {
             weight_decay: self.weight_decay,
             clip: self.clip,
             average: 0.0,
+            half_precision: self.half_precision,
             measure_every: self.measure_every,
             save_every: self.save_every,
             patience: self.patience,

@@ -55,6 +55,7 @@ pub(super) struct Weights<'a> {
 }
 
 /// Networks say no in their own words.
+#[allow(clippy::needless_pass_by_value, reason = "it maps errors")]
 pub(super) fn network(error: inkrig_generate::GenerateError) -> TrainError {
     TrainError::Device(error.to_string())
 }

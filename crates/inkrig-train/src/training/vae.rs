@@ -91,11 +91,17 @@ impl Stage for VaeStage<'_> {
     }
 
     fn is_same(&self, settings: &str) -> bool {
-        serde_json::from_str::<VaeSettings>(settings).is_ok_and(|settings| settings == *self.settings)
+        let Ok(mut said) = serde_json::from_str::<serde_json::Value>(settings) else { return false };
+        // A setting of earlier versions that nobody used.
+        if let Some(said) = said.as_object_mut().filter(|said| said.get("dropout") == Some(&0.0.into())) {
+            said.remove("dropout");
+        }
+        serde_json::from_value::<VaeSettings>(said).is_ok_and(|settings| settings == *self.settings)
     }
 
     fn replica(&self) -> Result<VaeLearner, TrainError> {
-        VaeLearner::new(&self.sizes, &random(&self.sizes, Parts::VAE, 0)).map_err(network)
+        let weights = self.course().for_learning(random(&self.sizes, Parts::VAE, 0));
+        VaeLearner::new(&self.sizes, &weights).map_err(network)
     }
 
     fn draw(&self, step: u64, replicas: usize) -> Vec<Self::Work> {
