@@ -138,7 +138,7 @@ fn stages_after_the_denoiser_learn_and_end_the_same_when_killed() {
         let values: Vec<f64> = report.rows.iter().map(|row| row.value(name).unwrap()).collect();
         (values[0], values[values.len() - 1])
     };
-    for name in ["noise", "trajectory"] {
+    for name in ["noise", "held_out_error"] {
         let (first, last) = first_last(&report, name);
         assert!(last < first, "{name} {first} {last}");
     }
