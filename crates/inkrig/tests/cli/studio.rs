@@ -30,7 +30,7 @@ impl Studio {
         let mut line = String::new();
         words.read_line(&mut line).unwrap();
         let port = line.trim().trim_end_matches('/').rsplit(':').next().unwrap().parse();
-        let port = port.unwrap_or_else(|_| panic!("{line}"));
+        let port = port.expect(&line);
         Self { child, port, _words: words }
     }
 
