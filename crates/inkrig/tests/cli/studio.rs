@@ -30,7 +30,8 @@ impl Studio {
         let mut line = String::new();
         words.read_line(&mut line).unwrap();
         let port = line.trim().trim_end_matches('/').rsplit(':').next().unwrap().parse();
-        let port = port.expect(&line);
+        assert!(port.is_ok(), "{line}");
+        let port = port.unwrap();
         Self { child, port, _words: words }
     }
 
