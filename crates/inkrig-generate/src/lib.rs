@@ -13,6 +13,7 @@ pub mod losses;
 pub mod measures;
 pub mod networks;
 mod numeric;
+pub mod readers;
 pub mod sampling;
 pub mod schedule;
 pub mod text;

@@ -6,6 +6,9 @@
 pub mod corpus;
 mod error;
 pub mod evaluation;
+pub mod figures;
+pub mod lettering;
+pub mod reading;
 pub mod training;
 
 pub use error::TrainError;

@@ -94,6 +94,14 @@ pub enum CliError {
         /// Where and what.
         cause: Box<SketchError>,
     },
+    /// A picture of a drawing that cannot be read, or shows not what is looked for.
+    #[error("{}: {}", printable::path(path), printable::text(what))]
+    Picture {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and what to do.
+        what: String,
+    },
     /// A sound that cannot be understood.
     #[error("{}: {cause}", printable::path(path))]
     Sound {

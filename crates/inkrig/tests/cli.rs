@@ -29,6 +29,8 @@ mod over_ground;
 mod redo;
 #[path = "cli/retarget.rs"]
 mod retarget;
+#[path = "cli/sketch.rs"]
+mod sketch;
 #[path = "cli/stop.rs"]
 mod stop;
 #[path = "cli/studio.rs"]

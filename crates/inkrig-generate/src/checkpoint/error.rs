@@ -112,7 +112,7 @@ impl CheckpointError {
         Self::Damaged { what: what.into() }
     }
 
-    pub(super) fn tensor(name: &str, what: impl Into<String>) -> Self {
+    pub(crate) fn tensor(name: &str, what: impl Into<String>) -> Self {
         Self::Tensor { name: shown(name), what: what.into() }
     }
 }

@@ -26,6 +26,11 @@ impl NumberKind {
         }
     }
 
+    /// The nearest half precision number's bits.
+    pub(crate) fn half(number: f32) -> u16 {
+        to_half(number)
+    }
+
     /// By its name in a safetensors header.
     pub(super) fn of_safetensors(name: &str) -> Option<Self> {
         Some(match name {

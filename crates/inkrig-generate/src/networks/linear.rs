@@ -2,7 +2,7 @@
 
 use crate::GenerateError;
 use crate::numeric::elementwise::add;
-use crate::numeric::half::{HalfPacked, HalfWork, add_half_weight_gradient, multiply_half};
+use crate::numeric::half::{HalfPacked, HalfWork, add_half_weight_gradient, available, multiply_half};
 use crate::numeric::product::{Out, OuterWork, Packed, Rows, add_weight_gradient, multiply};
 use crate::weights::{Slots, Tensors};
 use std::cell::RefCell;
@@ -78,6 +78,20 @@ impl Linear {
         Self { slots: Slots::of(weights, name), ..self }
     }
 
+    /// A layer whose gradients lie one behind the other, as its weights do: outputs x inputs, then the biases. With `half`, products are
+    /// of half the precision where the processor has tiles for it.
+    pub(crate) fn beside(weight: &[f32], bias: &[f32], with_half: bool) -> Self {
+        let inputs = weight.len() / bias.len().max(1);
+        let half = (with_half && available()).then(|| Box::new(HalfLinear::of(weight, bias.len(), inputs)));
+        let slots = Slots { weight: 0, bias: weight.len() };
+        Self { slots, half, ..Self::of(weight, bias, inputs) }
+    }
+
+    /// How many numbers come out.
+    pub(crate) fn outputs(&self) -> usize {
+        self.packed.columns()
+    }
+
     /// Replaces `out`: as many rows as `x` has.
     pub(crate) fn forward(&self, x: &[f32], out: &mut [f32]) {
         let (inputs, outputs) = (self.packed.depth(), self.packed.columns());
@@ -133,10 +147,14 @@ impl Linear {
 
 /// Made where the weights ask for it and the processor has tiles.
 fn half(weights: &Tensors, weight: &[f32], outputs: usize, inputs: usize) -> Option<Box<HalfLinear>> {
-    weights.in_half_precision().then(|| {
+    weights.in_half_precision().then(|| Box::new(HalfLinear::of(weight, outputs, inputs)))
+}
+
+impl HalfLinear {
+    fn of(weight: &[f32], outputs: usize, inputs: usize) -> Self {
         let (mut packed, mut transposed) = (HalfPacked::default(), HalfPacked::default());
         packed.fill_transposed(weight, inputs, outputs);
         transposed.fill(weight, outputs, inputs);
-        Box::new(HalfLinear { packed, transposed })
-    })
+        Self { packed, transposed }
+    }
 }

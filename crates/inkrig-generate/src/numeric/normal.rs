@@ -33,6 +33,13 @@ impl LayerNorm {
         Ok(Self { scale, shift, slots: Slots::of(weights, name) })
     }
 
+    /// Of scales, and shifts behind them; so the gradient has them, too.
+    pub(crate) fn of(weights: &[f32]) -> Self {
+        let width = weights.len() / 2;
+        let (scale, shift) = weights.split_at(width);
+        Self { scale: scale.to_vec(), shift: shift.to_vec(), slots: Slots { weight: 0, bias: width } }
+    }
+
     /// In place.
     pub(crate) fn forward(&self, x: &mut [f32], kept: &mut Normalised) {
         let width = self.scale.len();

@@ -2,7 +2,7 @@
 
 /// How it walks.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct AdamW {
+pub(crate) struct AdamW {
     /// Decay of the mean of gradients and of that of their squares.
     pub betas: (f64, f64),
     /// Share of a weight that a step at rate 1 takes away.
@@ -11,7 +11,7 @@ pub(super) struct AdamW {
 
 /// What it remembers of its way.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Moments {
+pub(crate) struct Moments {
     /// Steps that were taken.
     pub step: u64,
     pub mean: Vec<f32>,
@@ -20,14 +20,14 @@ pub(super) struct Moments {
 
 impl Moments {
     /// Of no step, for so many weights.
-    pub(super) fn new(weights: usize) -> Self {
+    pub(crate) fn new(weights: usize) -> Self {
         Self { step: 0, mean: vec![0.0; weights], square: vec![0.0; weights] }
     }
 }
 
 impl AdamW {
     /// Moves the weights by one step at a rate.
-    pub(super) fn step(self, weights: &mut [f32], gradient: &[f32], moments: &mut Moments, rate: f64) {
+    pub(crate) fn step(self, weights: &mut [f32], gradient: &[f32], moments: &mut Moments, rate: f64) {
         moments.step += 1;
         let (first, second) = self.betas;
         let steps = moments.step.min(1 << 30) as i32;
@@ -45,7 +45,7 @@ impl AdamW {
 }
 
 /// Shortens a gradient that is longer than `most`; gives its length.
-pub(super) fn clip(gradient: &mut [f32], most: f64) -> f64 {
+pub(crate) fn clip(gradient: &mut [f32], most: f64) -> f64 {
     let length = gradient.iter().map(|&part| f64::from(part) * f64::from(part)).sum::<f64>().sqrt();
     if length > most {
         let by = (most / length) as f32;

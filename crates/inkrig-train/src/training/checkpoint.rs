@@ -15,7 +15,7 @@ const MOST_BYTES: u64 = 8 << 30;
 
 /// A run at a step.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Checkpoint {
+pub(crate) struct Checkpoint {
     pub weights: Vec<f32>,
     pub moments: Moments,
     /// Mean of the weights along the way, where one is kept.
@@ -25,7 +25,7 @@ pub(super) struct Checkpoint {
 
 /// What is not a row of numbers.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct State {
+pub(crate) struct State {
     /// What the run was told, as JSON: with other settings it is another run.
     pub settings: String,
     /// Seconds of training so far.
@@ -37,7 +37,7 @@ pub(super) struct State {
 }
 
 impl Checkpoint {
-    pub(super) fn write(&self, path: &Path) -> Result<(), TrainError> {
+    pub(crate) fn write(&self, path: &Path) -> Result<(), TrainError> {
         let content = |what: String| TrainError::Content { path: path.to_path_buf(), what };
         let state = serde_json::to_string(&self.state).map_err(|error| content(error.to_string()))?;
         let rows =
@@ -57,7 +57,7 @@ impl Checkpoint {
     }
 
     /// `None` where there is none yet.
-    pub(super) fn read(path: &Path) -> Result<Option<Self>, TrainError> {
+    pub(crate) fn read(path: &Path) -> Result<Option<Self>, TrainError> {
         let failed = |cause| TrainError::File { path: path.to_path_buf(), cause };
         let content = |what: &str| TrainError::Content {
             path: path.to_path_buf(),

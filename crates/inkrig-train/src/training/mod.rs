@@ -4,9 +4,9 @@
 //! (weights, optimiser, place), `log.jsonl` (one line a measurement) and the best weights so far. What is drawn at random belongs to the
 //! seed and the step alone, so that a run that was stopped goes on as if it had not been.
 
-mod adamw;
+pub(crate) mod adamw;
 mod align;
-mod checkpoint;
+pub(crate) mod checkpoint;
 mod conditions;
 mod control;
 mod control_measure;
@@ -19,7 +19,7 @@ mod log;
 mod motions;
 mod muon;
 mod picture;
-mod rate;
+pub(crate) mod rate;
 mod reconstruction;
 mod run;
 mod settings;

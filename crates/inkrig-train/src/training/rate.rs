@@ -1,7 +1,7 @@
 //! How long steps are over a run.
 
 /// Rises for `warm_up` steps, then falls along a half cosine to a hundredth at `steps`.
-pub(super) fn rate(highest: f64, step: u64, warm_up: u64, steps: u64) -> f64 {
+pub(crate) fn rate(highest: f64, step: u64, warm_up: u64, steps: u64) -> f64 {
     if step < warm_up {
         return highest * (step + 1) as f64 / warm_up as f64;
     }

@@ -1,6 +1,7 @@
 //! What can be said to `inkrig evaluate`.
 
 use super::StepsArg;
+use super::evaluate_readers::{self, EvaluateSketchArgs, EvaluateWordArgs};
 use crate::numbers;
 use clap::{Args, Subcommand, ValueEnum, ValueHint};
 use inkrig_train::corpus::Split;
@@ -26,6 +27,12 @@ pub struct EvaluateArgs {
 /// What is measured.
 #[derive(Debug, Subcommand)]
 pub enum EvaluateCommand {
+    /// How well the joints of drawn figures are found
+    #[command(after_help = evaluate_readers::EXAMPLES)]
+    Sketch(EvaluateSketchArgs),
+    /// How well words are read
+    #[command(after_help = evaluate_readers::EXAMPLES)]
+    Word(EvaluateWordArgs),
     /// How well clips survive the autoencoder, subject by subject
     #[command(after_help = EXAMPLES)]
     Reconstruction {

@@ -6,12 +6,14 @@ mod bench;
 mod convert;
 mod data;
 mod evaluate;
+mod evaluate_readers;
 mod generate;
 mod model;
 mod redo;
 mod retarget;
 mod root;
 mod sidecar;
+mod sketch;
 mod studio;
 mod suggest;
 mod train;
@@ -22,15 +24,17 @@ pub use bench::{BenchAlignArgs, BenchArgs, BenchCommand};
 pub use convert::{ConvertArgs, ToArg};
 pub use data::{CorpusArgs, DataArgs, DataCommand};
 pub use evaluate::{EvaluateArgs, EvaluateCommand, EvaluateOnArgs, JointsArg, SplitArg};
+pub use evaluate_readers::{EvaluateSketchArgs, EvaluateWordArgs};
 pub use generate::{GenerateArgs, GuidanceArg, StepsArg};
 pub use model::{ModelArgs, ModelCommand, ModelImportArgs, ModelInspectArgs, TextArg};
 pub use redo::RedoArgs;
 pub use retarget::RetargetArgs;
 pub use root::{RootArgs, RootMode};
 pub use sidecar::SidecarArgs;
+pub use sketch::{SketchArgs, SketchCommand, SketchReadArgs, SketchWordArgs};
 pub use studio::StudioArgs;
 pub use suggest::SuggestArgs;
-pub use train::{RunArgs, TrainArgs, TrainStage};
+pub use train::{PaceArgs, RunArgs, TrainArgs, TrainStage};
 
 use crate::numbers;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
@@ -78,7 +82,7 @@ pub enum Command {
     Retarget(Box<RetargetArgs>),
     /// Make a corpus to train on out of folders of motion files
     Data(DataArgs),
-    /// Measure a model on clips that it never saw
+    /// Measure a model on clips that it never saw, or a reader of drawings
     Evaluate(EvaluateArgs),
     /// Say what is in a motion file: skeleton, frames, unit, problems
     #[command(after_help = "Examples:\n  inkrig inspect walk.bvh\n  inkrig inspect walk.bvh --json")]
@@ -92,7 +96,9 @@ pub enum Command {
     /// Suggest poses of a clip for keyframes, and map it to draw on
     #[command(after_help = suggest::EXAMPLES)]
     Suggest(SuggestArgs),
-    /// Train the networks of the second engine on a corpus
+    /// Find the joints of a drawn figure, or read a word
+    Sketch(SketchArgs),
+    /// Train the networks of the second engine and the readers of drawings
     Train(TrainArgs),
     /// Print a completion script for your shell
     #[command(

@@ -10,6 +10,10 @@ Examples:
       the autoencoder, with the settings of the small network
   inkrig train vae --corpus corpus -o runs/vae --config vae.toml --minutes 150
       other settings; stops after 150 minutes, and the same command goes on from there
+  inkrig train sketch --corpus corpus -o runs/sketch
+      the reader of drawn figures, which sees its poses drawn in many styles
+  inkrig train word --fonts fonts -o runs/word
+      the reader of words, out of fonts (.ttf, .otf, single lines as .svg)
 
 Stop at any moment: nothing but the steps since the last checkpoint is lost.";
 
@@ -47,6 +51,26 @@ pub struct TrainArgs {
 /// Stages of training.
 #[derive(Debug, Subcommand)]
 pub enum TrainStage {
+    /// The reader of drawn figures
+    #[command(after_help = EXAMPLES)]
+    Sketch {
+        /// The corpus, made by inkrig data build
+        #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+        corpus: PathBuf,
+        #[command(flatten)]
+        /// Where and how long.
+        pace: PaceArgs,
+    },
+    /// The reader of words
+    #[command(after_help = EXAMPLES)]
+    Word {
+        /// A folder of fonts
+        #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+        fonts: PathBuf,
+        #[command(flatten)]
+        /// Where and how long.
+        pace: PaceArgs,
+    },
     /// The autoencoder, which everything else stands on
     #[command(after_help = EXAMPLES)]
     Vae {
@@ -130,4 +154,21 @@ pub struct RunArgs {
     /// Copies of the network that work side by side, one a thread [default: one a core]
     #[arg(long, value_parser = numbers::threads, allow_negative_numbers = true)]
     pub replicas: Option<usize>,
+}
+
+/// Where and how long to train a reader.
+#[derive(Debug, Args)]
+pub struct PaceArgs {
+    /// The folder of the run: checkpoint, log, weights. One that is there already is gone on with
+    #[arg(long, short, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub out: PathBuf,
+    /// Settings that differ from the usual ones
+    #[arg(long, value_name = "FILE.toml", value_hint = ValueHint::FilePath)]
+    pub config: Option<PathBuf>,
+    /// Stop after so many minutes, to go on later
+    #[arg(long, value_name = "MINUTES", value_parser = numbers::minutes, allow_negative_numbers = true)]
+    pub minutes: Option<f64>,
+    /// Threads to work with; the result does not depend on it [default: all cores, at most 16]
+    #[arg(long, value_parser = numbers::threads, allow_negative_numbers = true)]
+    pub threads: Option<usize>,
 }

@@ -1,5 +1,7 @@
 //! `inkrig evaluate`: how good a model is, on clips that it never saw.
 
+mod readers;
+
 use super::generate::text;
 use crate::cli::{EvaluateArgs, EvaluateCommand, EvaluateOnArgs, JointsArg, StepsArg};
 use crate::console::Console;
@@ -20,6 +22,8 @@ use std::path::Path;
 
 pub(super) fn run(args: &EvaluateArgs, console: &Console) -> Result<(), CliError> {
     match &args.command {
+        EvaluateCommand::Sketch(args) => readers::sketch(args, console),
+        EvaluateCommand::Word(args) => readers::word(args, console),
         EvaluateCommand::Reconstruction { on } => {
             let model = Opened::of(&on.model)?;
             let vae =

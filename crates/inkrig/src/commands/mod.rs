@@ -19,6 +19,7 @@ mod record;
 mod redo;
 mod retarget;
 mod settings;
+mod sketch;
 mod studio;
 mod suggest;
 mod train;
@@ -52,6 +53,7 @@ pub fn run(cli: Cli, matches: &ArgMatches) -> Result<(), CliError> {
         Command::Model(args) => model::run(&args, &console),
         Command::Studio(args) => studio::run(&args, &console),
         Command::Suggest(args) => suggest::run(&args, &console),
+        Command::Sketch(args) => sketch::run(&args, &console),
         Command::Train(args) => train::run(&args, &console),
         Command::Completions { shell } => {
             let mut script = Vec::new();

@@ -1,4 +1,6 @@
-//! `inkrig train`: weights out of a corpus.
+//! `inkrig train`: weights out of a corpus, or out of fonts.
+
+mod readers;
 
 use crate::cli::{RunArgs, TrainArgs, TrainStage};
 use crate::console::Console;
@@ -46,6 +48,8 @@ pub(super) fn run(args: &TrainArgs, console: &Console) -> Result<(), CliError> {
                 watched(run, console, |place, progress| train_distill(place, model, &settings, progress))?;
             finish(run, console, &report, &[])
         }
+        TrainStage::Sketch { corpus, pace } => readers::sketch(corpus, pace, console),
+        TrainStage::Word { fonts, pace } => readers::word(fonts, pace, console),
         TrainStage::Curves { run, out, force } => {
             let output = Output { force: *force };
             output.check(out)?;

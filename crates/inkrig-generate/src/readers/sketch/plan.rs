@@ -1,0 +1,54 @@
+//! The network's layers.
+
+use super::KEY_POINTS;
+use crate::readers::network::{Plan, Shape, Value};
+
+/// Pixels of a side of what the network sees.
+pub const SIDE: usize = 160;
+/// Paper around the ink, as a share of its longer side, on each side.
+pub const MARGIN: f32 = 0.1;
+/// Cells of a side of its heat maps.
+pub const CELLS: usize = 40;
+
+/// The tables that come out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Outputs {
+    /// [`CELLS`] x [`CELLS`] x [`KEY_POINTS`]: how much speaks for a key point there, as logarithms.
+    pub heat: Value,
+    /// [`KEY_POINTS`]: whether it is drawn at all, as logits.
+    pub presence: Value,
+}
+
+/// Cells of 4 pixels, then 20, 10 and 5 cells a side, and back up with what was seen on the way down.
+pub fn plan() -> (Plan, Outputs) {
+    let mut plan = Plan::new(Shape { height: SIDE, width: SIDE, channels: 1 });
+    let a = plan.patch("stem", 0, [8, 8], [4, 4], [2, 2], 32);
+    let a = plan.block("fine.0", a, 5, 64);
+    let down = |plan: &mut Plan, name: &str, from, channels| {
+        plan.patch(name, from, [2, 2], [2, 2], [0, 0], channels)
+    };
+    let mut b = down(&mut plan, "down.0", a, 64);
+    for at in 0..2 {
+        b = plan.block(&format!("middle.{at}"), b, 5, 128);
+    }
+    let mut c = down(&mut plan, "down.1", b, 96);
+    for at in 0..3 {
+        c = plan.block(&format!("coarse.{at}"), c, 7, 288);
+    }
+    let mut d = down(&mut plan, "down.2", c, 160);
+    for at in 0..2 {
+        d = plan.block(&format!("whole.{at}"), d, 5, 480);
+    }
+    let up = plan.join("up.0", d, c);
+    let up = plan.block("coarse.3", up, 7, 288);
+    let up = plan.join("up.1", up, b);
+    let up = plan.block("middle.2", up, 5, 128);
+    let up = plan.join("up.2", up, a);
+    let up = plan.block("fine.1", up, 5, 64);
+    let up = plan.norm("norm", up);
+    let heat = plan.linear("heat", up, KEY_POINTS);
+    let mean = plan.mean(d);
+    let mean = plan.norm("presence.norm", mean);
+    let presence = plan.linear("presence", mean, KEY_POINTS);
+    (plan, Outputs { heat, presence })
+}

@@ -1,0 +1,142 @@
+//! How well key points are found: the share within a tenth of the torso's length (PCK@0.1).
+
+use super::Poses;
+use crate::figures::{Conditions, Family, Picture};
+use inkrig_generate::readers::ink::Ink;
+use inkrig_generate::readers::network::Work;
+use inkrig_generate::readers::sketch::{KEY_POINTS, MIRRORED, SketchReader};
+use inkrig_generate::schedule::Noise;
+use serde::{Deserialize, Serialize};
+
+/// The share of the torso's length that a key point may be off.
+const WITHIN: f32 = 0.1;
+
+/// What figures are measured on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Subset {
+    /// Families that were learned, seen from the front half.
+    Learned,
+    /// The same, seen from any side.
+    AnySide,
+    /// The family that was held out.
+    Unseen,
+    /// Filled and outlined bodies, all with other marks on the page.
+    Clutter,
+}
+
+impl Subset {
+    /// All.
+    pub const ALL: [Self; 4] = [Self::Learned, Self::AnySide, Self::Unseen, Self::Clutter];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Learned => "learned styles",
+            Self::AnySide => "learned styles, seen from any side",
+            Self::Unseen => "unseen style",
+            Self::Clutter => "filled or outlined bodies with clutter",
+        }
+    }
+}
+
+/// What was measured.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Pck {
+    /// Drawings.
+    pub pictures: usize,
+    /// Share of drawn key points within a tenth of the torso's length, 0 to 1.
+    pub pck: f64,
+    /// The same where each figure's arms, and its legs, may be left for right.
+    pub pck_either_side: f64,
+    /// By key point.
+    pub by_point: [f64; KEY_POINTS],
+    /// Mean distance, as a share of the torso's length.
+    pub mean_distance: f64,
+    /// Share of key points of which it is said rightly whether they are drawn.
+    pub presence: f64,
+}
+
+/// Drawings of poses, the same for the same seed.
+pub fn rendered(poses: &Poses, subset: Subset, count: usize, seed: u64) -> Vec<Picture> {
+    let conditions = match subset {
+        Subset::Clutter => Conditions { clutter: 1.0, ..Conditions::READ },
+        _ => Conditions::READ,
+    };
+    let families: &[Family] = match subset {
+        Subset::Learned | Subset::AnySide => &Family::LEARNED,
+        Subset::Unseen => &[Family::Naive],
+        Subset::Clutter => &[Family::Filled, Family::Outline],
+    };
+    let turned = if subset == Subset::AnySide { 1.0 } else { 0.0 };
+    let one = |at: usize| {
+        let mut noise = Noise::new(seed.wrapping_mul(0x2545_F491_4F6C_DD1D).wrapping_add(at as u64));
+        noise.uniform();
+        poses.picture(families, &conditions, 0.0, turned, &mut noise)
+    };
+    (0..count).map(one).collect()
+}
+
+/// Where something found the key points of a picture, and which of them it takes for drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    /// Pixels of the picture.
+    pub places: [[f32; 2]; KEY_POINTS],
+    /// Whether it is drawn.
+    pub drawn: [bool; KEY_POINTS],
+}
+
+impl Found {
+    /// Of a picture in which no figure was found.
+    pub fn nothing() -> Self {
+        Self { places: [[f32::INFINITY; 2]; KEY_POINTS], drawn: [false; KEY_POINTS] }
+    }
+}
+
+/// Measures a reader.
+pub fn measure(reader: &SketchReader, pictures: &[Picture]) -> Pck {
+    let mut work = Work::default();
+    let mut find = |ink: &Ink| {
+        let reading = reader.read(ink, &mut work);
+        Found { places: reading.places, drawn: reading.drawn.map(|drawn| drawn > 0.5) }
+    };
+    measure_by(&mut find, pictures)
+}
+
+/// Measures whatever finds key points. A point that is farther off than the torso is long counts as one torso in the mean.
+pub fn measure_by(find: &mut dyn FnMut(&Ink) -> Found, pictures: &[Picture]) -> Pck {
+    let (mut found, mut drawn) = ([0_usize; KEY_POINTS], [0_usize; KEY_POINTS]);
+    let (mut either, mut distance, mut presence) = (0_usize, 0.0, 0_usize);
+    for picture in pictures {
+        let reading = find(&picture.ink);
+        let off = |point: usize, read: usize| {
+            let ([x, y], [a, b]) = (picture.places[point], reading.places[read]);
+            ((x - a).hypot(y - b) / picture.torso.max(1.0)).min(1.0)
+        };
+        for point in 0..KEY_POINTS {
+            presence += usize::from(reading.drawn[point] == picture.drawn[point]);
+            if picture.drawn[point] {
+                drawn[point] += 1;
+                found[point] += usize::from(off(point, point) <= WITHIN);
+                distance += f64::from(off(point, point));
+            }
+        }
+        // Arms and legs each the way round that finds more.
+        for points in [&[0, 3, 10, 13][..], &[11, 12, 14, 15, 16, 17], &[1, 2, 4, 5, 6, 7, 8, 9]] {
+            let count = |read: fn(usize) -> usize| {
+                let own = points.iter().filter(|&&point| picture.drawn[point]);
+                own.filter(|&&point| off(point, read(point)) <= WITHIN).count()
+            };
+            either += count(|point| point).max(count(|point| MIRRORED[point]));
+        }
+    }
+    let all = drawn.iter().sum::<usize>().max(1) as f64;
+    Pck {
+        pictures: pictures.len(),
+        pck: found.iter().sum::<usize>() as f64 / all,
+        pck_either_side: either as f64 / all,
+        by_point: std::array::from_fn(|point| found[point] as f64 / drawn[point].max(1) as f64),
+        mean_distance: distance / all,
+        presence: presence as f64 / (KEY_POINTS * pictures.len().max(1)) as f64,
+    }
+}

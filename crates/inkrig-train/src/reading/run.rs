@@ -1,0 +1,246 @@
+//! A reader's run at a step: weights, optimiser, place, in one folder.
+
+use super::settings::Pace;
+use crate::TrainError;
+use crate::corpus::write;
+use crate::training::adamw::{AdamW, Moments, clip};
+use crate::training::checkpoint::{Checkpoint, State};
+use crate::training::rate::rate;
+use inkrig_generate::readers::file::{Header, to_bytes};
+use inkrig_generate::readers::network::{Network, Plan, Work};
+use inkrig_generate::schedule::Noise;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::io::Write as _;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::Instant;
+
+/// Pictures whose gradients are added up before those of others: the sum does not depend on the number of threads.
+const GROUP: usize = 4;
+
+/// Hears of a step: how many were taken, of how many, and what was measured at it; can say stop.
+pub type OnStep<'a, R> = dyn FnMut(u64, u64, Option<&R>) -> ControlFlow<()> + 'a;
+
+/// What a network is taught.
+pub(super) trait Lesson: Sync {
+    /// A line of the log.
+    type Row: Serialize + DeserializeOwned + Clone;
+
+    /// Shows the network one example, adds to the gradient, gives the loss.
+    fn example(&self, network: &Network, noise: &mut Noise, work: &mut Work, gradient: &mut [f32]) -> f64;
+
+    /// Measures the network: how wrong it is (what is smallest is kept as best), and the line of the log.
+    fn measure(&self, network: &Network, at: At) -> (f64, Self::Row);
+
+    /// The step of a line.
+    fn step_of(row: &Self::Row) -> u64;
+}
+
+/// Where a run is, for its log.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct At {
+    pub step: u64,
+    /// Mean since the last line.
+    pub loss: f64,
+    pub rate: f64,
+    pub seconds: f64,
+}
+
+/// What all readers' runs are given.
+pub(super) struct Task<'a> {
+    pub folder: &'a Path,
+    pub pace: &'a Pace,
+    /// With another one it is another run.
+    pub identity: String,
+    /// What the weights' file says it reads.
+    pub header: Header,
+    pub threads: usize,
+}
+
+/// Trains, or goes on, until all steps are taken or `progress` says stop. Gives the log, and whether it is complete.
+pub(super) fn teach<L: Lesson>(
+    lesson: &L,
+    plan: Plan,
+    task: &Task<'_>,
+    progress: &mut OnStep<'_, L::Row>,
+) -> Result<(Vec<L::Row>, bool), TrainError> {
+    let folder = task.folder;
+    std::fs::create_dir_all(folder).map_err(|cause| TrainError::File { path: folder.into(), cause })?;
+    let mut run = Run::open(plan, task)?;
+    let log = folder.join("log.jsonl");
+    let mut rows = read_log::<L>(&log, run.moments.step)?;
+    let (began, before) = (Instant::now(), run.state.seconds);
+    let (mut sum, mut since) = (0.0, 0_u64);
+    let pace = task.pace;
+    let mut complete = false;
+    while !complete {
+        if run.moments.step >= pace.steps {
+            complete = true;
+        } else {
+            sum += run.step(lesson, task)?;
+            since += 1;
+        }
+        let step = run.moments.step;
+        let mut row = None;
+        if since > 0 && (complete || step.is_multiple_of(pace.measure_every)) {
+            let seconds = before + began.elapsed().as_secs_f64();
+            let at =
+                At { step, loss: sum / since as f64, rate: run.rate(pace, step.saturating_sub(1)), seconds };
+            let (wrong, new) = lesson.measure(&run.plain()?, at);
+            (sum, since) = (0.0, 0);
+            append(&log, &new)?;
+            if run.state.best.is_none_or(|(best, _)| wrong < best) {
+                run.state.best = Some((wrong, step));
+                run.write_weights(&folder.join("best.safetensors"), &task.header)?;
+            }
+            rows.push(new);
+            row = rows.last();
+        }
+        let stop = !complete && progress(step, pace.steps, row).is_break();
+        if complete || stop || step.is_multiple_of(pace.save_every) {
+            run.state.seconds = before + began.elapsed().as_secs_f64();
+            run.save(folder)?;
+        }
+        if stop {
+            break;
+        }
+    }
+    run.write_weights(&folder.join("last.safetensors"), &task.header)?;
+    Ok((rows, complete))
+}
+
+struct Run {
+    network: Network,
+    weights: Vec<f32>,
+    moments: Moments,
+    state: State,
+}
+
+impl Run {
+    fn open(plan: Plan, task: &Task<'_>) -> Result<Self, TrainError> {
+        let path = task.folder.join("checkpoint.safetensors");
+        let other = |what: &str| TrainError::Content { path: path.clone(), what: what.into() };
+        let (weights, moments, state) = match Checkpoint::read(&path)? {
+            Some(found) if found.state.settings != task.identity => {
+                return Err(other("is of a run with other settings: give those, or another folder"));
+            }
+            Some(found) if found.weights.len() != plan.numbers() => {
+                return Err(other("is of another network: give another folder"));
+            }
+            Some(found) => (found.weights, found.moments, found.state),
+            None => {
+                let state = State { settings: task.identity.clone(), ..State::default() };
+                (plan.random(task.pace.seed), Moments::new(plan.numbers()), state)
+            }
+        };
+        let network =
+            Network::taught(plan, &weights).map_err(|error| TrainError::Device(error.to_string()))?;
+        Ok(Self { network, weights, moments, state })
+    }
+
+    /// The network as it is run.
+    fn plain(&self) -> Result<Network, TrainError> {
+        let plan = self.network.plan().clone();
+        Network::new(plan, &self.weights).map_err(|error| TrainError::Device(error.to_string()))
+    }
+
+    fn rate(&self, pace: &Pace, step: u64) -> f64 {
+        rate(pace.rate, step, pace.warm_up, pace.steps)
+    }
+
+    /// One step; gives the loss.
+    fn step<L: Lesson>(&mut self, lesson: &L, task: &Task<'_>) -> Result<f64, TrainError> {
+        let (step, pace) = (self.moments.step, task.pace);
+        let groups = pace.batch.div_ceil(GROUP);
+        let threads = task.threads.clamp(1, groups);
+        let network = &self.network;
+        let mut parts: Vec<(usize, Vec<f32>, f64)> = std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..threads)
+                .map(|thread| {
+                    scope.spawn(move || {
+                        let mut work = Work::default();
+                        let own = (thread..groups).step_by(threads);
+                        own.map(|group| group_gradient(lesson, network, pace, step, group, &mut work))
+                            .collect::<Vec<_>>()
+                    })
+                })
+                .collect();
+            workers.into_iter().filter_map(|worker| worker.join().ok()).flatten().collect()
+        });
+        if parts.len() != groups {
+            return Err(TrainError::Device("a thread of the training broke off".into()));
+        }
+        parts.sort_by_key(|(group, _, _)| *group);
+        let (mut gradient, mut loss) = (vec![0.0_f32; self.weights.len()], 0.0);
+        let share = 1.0 / pace.batch as f32;
+        for (_, part, own) in &parts {
+            gradient.iter_mut().zip(part).for_each(|(sum, part)| *sum += share * part);
+            loss += own / pace.batch as f64;
+        }
+        let length = clip(&mut gradient, pace.clip);
+        if !(loss.is_finite() && length.is_finite()) {
+            return Err(TrainError::Diverged { step });
+        }
+        let adam = AdamW { betas: (0.9, 0.98), weight_decay: pace.weight_decay };
+        let rate = self.rate(pace, step);
+        adam.step(&mut self.weights, &gradient, &mut self.moments, rate);
+        self.network.set(&self.weights).map_err(|error| TrainError::Device(error.to_string()))?;
+        Ok(loss)
+    }
+
+    fn save(&self, folder: &Path) -> Result<(), TrainError> {
+        let state = State { step: self.moments.step, ..self.state.clone() };
+        let checkpoint = Checkpoint { weights: self.weights.clone(), moments: self.moments.clone(), state };
+        checkpoint.write(&folder.join("checkpoint.safetensors"))
+    }
+
+    fn write_weights(&self, path: &Path, header: &Header) -> Result<(), TrainError> {
+        let wrong = |what: String| TrainError::Content { path: path.to_path_buf(), what };
+        let tensors = Network::to_tensors(self.network.plan(), &self.weights)
+            .map_err(|error| wrong(error.to_string()))?;
+        let bytes = to_bytes(header, &tensors).map_err(|error| wrong(error.to_string()))?;
+        write(path, &bytes)
+    }
+}
+
+/// The gradients of a few examples. What they are belongs to the seed and their number alone.
+fn group_gradient<L: Lesson>(
+    lesson: &L,
+    network: &Network,
+    pace: &Pace,
+    step: u64,
+    group: usize,
+    work: &mut Work,
+) -> (usize, Vec<f32>, f64) {
+    let mut gradient = vec![0.0; network.plan().numbers()];
+    let mut sum = 0.0;
+    for at in group * GROUP..((group + 1) * GROUP).min(pace.batch) {
+        let number = step * pace.batch as u64 + at as u64;
+        let mut noise = Noise::new(pace.seed.wrapping_add(number.wrapping_mul(0xD134_2543_DE82_EF95)));
+        noise.uniform();
+        sum += lesson.example(network, &mut noise, work, &mut gradient);
+    }
+    (group, gradient, sum)
+}
+
+fn append<R: Serialize>(path: &Path, row: &R) -> Result<(), TrainError> {
+    let failed = |cause| TrainError::File { path: path.to_path_buf(), cause };
+    let mut file = std::fs::OpenOptions::new().create(true).append(true).open(path).map_err(failed)?;
+    writeln!(file, "{}", serde_json::to_string(row).unwrap_or_default()).map_err(failed)
+}
+
+/// All lines up to a step; what stands behind it was taken back when a run was killed.
+fn read_log<L: Lesson>(path: &Path, step: u64) -> Result<Vec<L::Row>, TrainError> {
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let text = crate::corpus::read_text(path)?;
+    let rows = text.lines().filter_map(|line| serde_json::from_str::<L::Row>(line).ok());
+    let rows: Vec<L::Row> = rows.filter(|row| L::step_of(row) <= step).collect();
+    let kept: String = rows.iter().map(|row| serde_json::to_string(row).unwrap_or_default() + "\n").collect();
+    if kept != text {
+        write(path, kept.as_bytes())?;
+    }
+    Ok(rows)
+}

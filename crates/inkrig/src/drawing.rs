@@ -1,0 +1,75 @@
+//! Drawings as ink: pictures of paper, or lines.
+
+use crate::error::CliError;
+use crate::load;
+use inkrig_generate::readers::ink::{Ink, Mark, Placement};
+use std::path::Path;
+use tiny_skia::Pixmap;
+
+/// Pixels of the longer side when lines are drawn.
+const SIDE: f64 = 640.0;
+/// Pixels of paper around them.
+const MARGIN: f64 = 40.0;
+/// Width of the pen, as a share of the longer side.
+const PEN: f64 = 1.0 / 70.0;
+/// A picture of more pixels is not read.
+const MOST_PIXELS: u64 = 64 << 20;
+
+/// Reads a drawing: PNG, or a curve's file.
+///
+/// # Errors
+/// When it is not there, too large, of an unknown kind or not understood.
+pub(crate) fn ink(path: &Path) -> Result<Ink, CliError> {
+    match load::extension(path).as_deref() {
+        Some("png") => picture(path),
+        Some("svg" | "json" | "csv") => lines(path),
+        _ => {
+            Err(CliError::Kind { path: path.to_path_buf(), known: "known drawings: .png, .svg, .json, .csv" })
+        }
+    }
+}
+
+fn picture(path: &Path) -> Result<Ink, CliError> {
+    let bytes = load::drawing(path)?;
+    let wrong = |what: String| CliError::Picture { path: path.to_path_buf(), what };
+    // The size stands at a fixed place; it is looked at before room is made.
+    let number = |at: usize| -> u64 {
+        let bytes = bytes.get(at..at + 4).and_then(|bytes| bytes.first_chunk::<4>().copied());
+        bytes.map_or(0, |bytes| u64::from(u32::from_be_bytes(bytes)))
+    };
+    if number(16).saturating_mul(number(20)) > MOST_PIXELS {
+        return Err(wrong(format!("has more than {MOST_PIXELS} pixels; save it smaller")));
+    }
+    let pixmap =
+        Pixmap::decode_png(&bytes).map_err(|error| wrong(format!("is no PNG that can be read ({error})")))?;
+    let white = |alpha: u8| 255.0 - f32::from(alpha);
+    let bright = pixmap.pixels().iter().map(|pixel| {
+        // Colours are multiplied by their cover already; the rest is white paper.
+        let [red, green, blue] = [pixel.red(), pixel.green(), pixel.blue()].map(f32::from);
+        (0.3 * red + 0.59 * green + 0.11 * blue + white(pixel.alpha())) / 255.0
+    });
+    let bright: Vec<f32> = bright.collect();
+    Ok(Ink::of_brightness(&bright, pixmap.width() as usize, pixmap.height() as usize))
+}
+
+fn lines(path: &Path) -> Result<Ink, CliError> {
+    let curve = load::curve(path)?;
+    let bounds = curve.bounds();
+    let [wide, high] = bounds.size();
+    let longer = wide.max(high).max(1e-9);
+    let scale = SIDE / longer;
+    let place = |point: &[f64; 2]| {
+        [
+            ((point[0] - bounds.min[0]) / longer) as f32,
+            ((point[1] - bounds.min[1]) / longer) as f32,
+            PEN as f32,
+        ]
+    };
+    let stroke = |points: &[[f64; 2]]| Mark::Stroke { points: points.iter().map(place).collect(), ink: 1.0 };
+    let marks: Vec<Mark> = curve.strokes().map(stroke).collect();
+    let size = |length: f64| (length * scale + 2.0 * MARGIN).ceil() as usize;
+    let mut ink = Ink::new(size(wide), size(high));
+    let origin = [MARGIN as f32, (MARGIN + high * scale) as f32];
+    ink.draw(&marks, &Placement { scale: SIDE as f32, origin });
+    Ok(ink)
+}

@@ -1,0 +1,67 @@
+//! `inkrig sketch`, `inkrig evaluate` and training of readers on the command line.
+
+use crate::{inkrig, text};
+
+/// A figure of a round head, a trunk, arms and legs.
+const FIGURE: &str = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 160 160' fill='none' stroke='black'>\
+    <circle cx='80' cy='30' r='12'/><path d='M80 42 L80 90'/>\
+    <path d='M40 48 L60 65 L80 52 L105 60 L120 35'/><path d='M55 145 L62 115 L80 90 L105 110 L110 145'/></svg>";
+
+#[test]
+fn a_figure_is_read_by_its_lines_as_lines_and_as_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    std::fs::write(folder.join("figure.svg"), FIGURE).unwrap();
+    let arguments = ["sketch", "read", "figure.svg", "--lines", "-o", "joints.json", "--picture", "seen.png"];
+    let output = inkrig(folder, &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("left_wrist"), "{}", text(&output.stdout));
+    let joints: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.join("joints.json")).unwrap()).unwrap();
+    let place = |name: &str| {
+        let joint = joints["joints"].as_array().unwrap().iter().find(|joint| joint["name"] == name).unwrap();
+        [joint["x"].as_f64().unwrap(), joint["y"].as_f64().unwrap()]
+    };
+    // Faces the viewer: its left hand is on the right. The page has another scale than the drawing.
+    let (left, right, head, pelvis) =
+        (place("left_wrist"), place("right_wrist"), place("head"), place("pelvis"));
+    assert!(left[0] > head[0] && head[0] > right[0], "{left:?} {head:?} {right:?}");
+    let unit = (pelvis[1] - head[1]) / 60.0;
+    assert!(((left[0] - right[0]) / unit - 80.0).abs() < 8.0, "{left:?} {right:?}");
+    assert_eq!(joints["read_by"], "lines");
+
+    // The same again out of the picture, whose lines are grey and hold coloured joints.
+    let output = inkrig(folder, &["sketch", "read", "seen.png", "--lines"]);
+    assert!(
+        output.status.success() || text(&output.stderr).contains("no figure"),
+        "{}",
+        text(&output.stderr)
+    );
+    let output = inkrig(folder, &arguments);
+    assert_eq!(output.status.code(), Some(1), "files are not replaced");
+}
+
+#[test]
+fn what_cannot_be_read_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let line = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 9 9'><path stroke='black' d='M1 1 L8 8'/></svg>";
+    std::fs::write(folder.join("line.svg"), line).unwrap();
+    std::fs::write(folder.join("broken.png"), b"\x89PNG\r\n\x1a\n and nothing more").unwrap();
+    std::fs::write(folder.join("weights.safetensors"), b"none").unwrap();
+    for (arguments, said) in [
+        (&["sketch", "read", "line.svg", "--lines"][..], "shows no figure"),
+        (&["sketch", "read", "broken.png", "--lines"], "no PNG"),
+        (&["sketch", "read", "figure.bvh", "--lines"], "known drawings"),
+        (&["sketch", "read", "line.svg", "--weights", "weights.safetensors"], "weights.safetensors"),
+        (&["train", "word", "--fonts", ".", "-o", "run"], "no font of Latin letters"),
+        (&["train", "sketch", "--corpus", "nowhere", "-o", "run"], "nowhere"),
+        (&["evaluate", "sketch", "--corpus", "nowhere", "--lines"], "nowhere"),
+    ] {
+        let output = inkrig(folder, arguments);
+        let error = text(&output.stderr).replace(['\n', '│', ' '], "");
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {error}");
+        assert!(error.contains(&said.replace(' ', "")), "{arguments:?}: {error}");
+    }
+    assert!(!folder.join("run").exists());
+}
