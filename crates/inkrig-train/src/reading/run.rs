@@ -191,7 +191,8 @@ impl Run {
 
     fn save(&self, folder: &Path) -> Result<(), TrainError> {
         let state = State { step: self.moments.step, ..self.state.clone() };
-        let checkpoint = Checkpoint { weights: self.weights.clone(), moments: self.moments.clone(), state };
+        let checkpoint =
+            Checkpoint { weights: self.weights.clone(), moments: self.moments.clone(), average: None, state };
         checkpoint.write(&folder.join("checkpoint.safetensors"))
     }
 
