@@ -124,8 +124,14 @@ fn keys_are_wishes_that_are_met() {
     let used = &after["used"];
     let sample = (2.0 * used["rate"].as_f64().unwrap()) as usize;
     assert!((used["frame"][sample].as_i64().unwrap() - 300).abs() <= 3, "{}", used["frame"][sample]);
+}
 
-    // A part that stays, stays.
+#[test]
+fn a_part_that_stays_stays() {
+    let studio = Studio::open();
+    studio.post("/api/samples/person", &json!({})).good();
+    draw(&studio, 6.0);
+    let after = settled(&studio);
     let result = after["id"].as_str().unwrap();
     studio.post("/api/locks", &json!({"result": result, "from": 1.0, "to": 3.0})).good();
     let settings = json!({"label": "Seed", "commands": [{"type": "setSettings", "settings": {"seed": 5}}]});

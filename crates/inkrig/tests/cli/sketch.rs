@@ -47,7 +47,7 @@ fn what_cannot_be_read_is_said() {
     let folder = folder.path();
     let line = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 9 9'><path stroke='black' d='M1 1 L8 8'/></svg>";
     std::fs::write(folder.join("line.svg"), line).unwrap();
-    std::fs::write(folder.join("broken.png"), b"\x89PNG\r\n\x1a\n and nothing more").unwrap();
+    std::fs::write(folder.join("broken.png"), b"\x89PNG\r\n\x1a\n").unwrap();
     std::fs::write(folder.join("weights.safetensors"), b"none").unwrap();
     for (arguments, said) in [
         (&["sketch", "read", "line.svg", "--lines"][..], "shows no figure"),
