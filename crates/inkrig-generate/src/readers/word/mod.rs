@@ -86,7 +86,7 @@ impl WordReader {
         Self { network, letters, lexicon }
     }
 
-    /// Reads a line of [`HEIGHT`] x [`WIDTH`] pixels, as [`line`] makes it.
+    /// Reads a line of [`HEIGHT`] x [`WIDTH`] pixels, as [`line()`] makes it.
     pub fn read(&self, line: &Ink, work: &mut Work) -> WordReading {
         self.network.forward(&line.pixels, work);
         let scores = ctc::logarithms(work.value(self.letters));
