@@ -62,6 +62,12 @@ pub fn tensors(sizes: &Sizes, parts: Parts) -> Vec<TensorSpec> {
         list.stack("vae.decoder", sizes.vae_blocks, true);
         list.linear("vae.skel_embedding", width, WIDTH);
         list.linear("vae.final_layer", WIDTH, width);
+        if sizes.cosines > 0 {
+            let (latent, spectrum) = (sizes.latent_tokens * width, sizes.cosines * WIDTH);
+            list.linear("vae.linear_path.encoder", latent, spectrum);
+            list.linear("vae.linear_path.decoder", spectrum, latent);
+            list.add("vae.linear_path.log_variance", &[latent]);
+        }
     }
     if parts.denoiser {
         list.branch("denoiser.denoiser", sizes.denoiser_blocks);

@@ -31,6 +31,14 @@ pub struct Sizes {
     pub text_width: usize,
     /// Numbers of the embedding of the guidance weight, which distilled models take; 0 for others.
     pub guidance_width: usize,
+    /// Cosines of each feature that the VAE's linear path beside its blocks sees; 0 without such a path, as published.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub cosines: usize,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(number: &usize) -> bool {
+    *number == 0
 }
 
 impl Sizes {
@@ -49,21 +57,23 @@ impl Sizes {
             positions: 500,
             text_width: 768,
             guidance_width: 256,
+            cosines: 0,
         }
     }
 
-    /// What can be trained in some hours on two cores: an eighth of the arithmetic, four latent tokens.
+    /// What can be trained in some hours on two cores: an eighth of the arithmetic, two latent tokens, and a linear path.
     pub fn small() -> Self {
         Self {
             width: 128,
             feed_forward: 512,
-            latent_tokens: 4,
+            latent_tokens: 2,
             vae_blocks: 7,
             denoiser_blocks: 7,
             control_blocks: 7,
             trajectory_blocks: 5,
             keypose_blocks: 3,
             positions: 256,
+            cosines: 16,
             ..Self::full()
         }
     }
@@ -101,7 +111,7 @@ impl Sizes {
         let control = self.control_blocks == self.denoiser_blocks
             || (1..=self.denoiser_blocks / 2).contains(&self.control_blocks);
         let even = |width: usize| width.is_multiple_of(2) && width <= 4096;
-        let rules: [(&'static str, usize, bool, &'static str); 12] = [
+        let rules: [(&'static str, usize, bool, &'static str); 13] = [
             ("heads", self.heads, (1..=64).contains(&self.heads), "1 to 64"),
             (
                 "width",
@@ -129,6 +139,7 @@ impl Sizes {
                 "even, at most 4096",
             ),
             ("guidance_width", self.guidance_width, even(self.guidance_width), "even, at most 4096"),
+            ("cosines", self.cosines, self.cosines <= 64, "at most 64"),
         ];
         for (setting, value, right, needed) in rules {
             if !right {

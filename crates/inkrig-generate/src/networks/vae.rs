@@ -3,6 +3,7 @@
 use super::Sizes;
 use super::block::Layout;
 use super::linear::Linear;
+use super::linear_path::LinearPath;
 use super::names::Parts;
 use super::stack::{Ending, Stack, StackTape};
 use super::tokens::{check_length, positions};
@@ -21,6 +22,7 @@ pub struct Vae {
     pub(super) decoder_positions: Vec<f32>,
     pub(super) decoder: Stack,
     pub(super) last: Linear,
+    pub(super) path: Option<LinearPath>,
     pub(super) places: TablePlaces,
 }
 
@@ -76,6 +78,7 @@ impl Vae {
             decoder_positions: positions(weights, "vae.query_pos_decoder.pe", sizes)?,
             decoder: stack("vae.decoder", true)?,
             last: Linear::new(weights, "vae.final_layer", WIDTH, sizes.width)?,
+            path: LinearPath::new(sizes, weights)?,
             places: TablePlaces {
                 tokens: weights.place("vae.global_motion_token"),
                 encoder_positions: weights.place("vae.query_pos_encoder.pe"),
@@ -112,7 +115,11 @@ impl Vae {
         self.encoder.forward(&mut x, layout, None, None, &mut StackTape::default());
         x.truncate(2 * self.latent_width());
         let log_variance = x.split_off(self.latent_width());
-        Ok(Encoded { mean: x, log_variance })
+        let mut encoded = Encoded { mean: x, log_variance };
+        if let Some(path) = &self.path {
+            path.encode(features, &[frames], &mut encoded);
+        }
+        Ok(encoded)
     }
 
     /// Decodes latents, one after the other in `latents`, each to as many frames as `frames` says.
@@ -146,6 +153,9 @@ impl Vae {
         self.decoder.forward(x, layout, None, None, &mut work.tape);
         work.features.resize(x.len() / per_frame * WIDTH, 0.0);
         self.last.forward(x, &mut work.features);
+        if let Some(path) = &self.path {
+            path.decode(latents, frames, &mut work.features);
+        }
         Ok(())
     }
 
@@ -165,6 +175,9 @@ impl Vae {
         let layout =
             Layout { lengths: &work.lengths, memory: Some((&work.latent, self.sizes.latent_tokens)) };
         self.decoder.backward_to_memory(&mut work.tokens, layout, &mut work.gradient, &mut work.tape);
+        if let Some(path) = &self.path {
+            path.backward(features, &work.lengths, &mut work.gradient);
+        }
         work.tokens.clear();
         Ok(&work.gradient)
     }
@@ -177,7 +190,8 @@ mod tests {
     use crate::weights::hashed;
 
     fn vae(tokens: usize) -> Vae {
-        let sizes = Sizes { latent_tokens: tokens, ..Sizes::tiny() };
+        let cosines = if tokens > 1 { 6 } else { 0 };
+        let sizes = Sizes { latent_tokens: tokens, cosines, ..Sizes::tiny() };
         Vae::new(&sizes, &hashed(&sizes, Parts::VAE)).unwrap()
     }
 

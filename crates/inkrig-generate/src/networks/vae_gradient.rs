@@ -86,6 +86,9 @@ impl Vae {
             encoded.log_variance.extend_from_slice(&tape.tokens[first + half..first + 2 * half]);
             first += tokens * width;
         }
+        if let Some(path) = &self.path {
+            path.encode(features, lengths, &mut encoded);
+        }
         Ok(encoded)
     }
 
@@ -108,6 +111,9 @@ impl Vae {
         self.decoder.forward(&mut tape.decoded, layout, None, None, &mut tape.decoder);
         let numbers = tape.decoded.len() / per_frame * WIDTH;
         self.last.forward(&tape.decoded, fit(&mut tape.features, numbers));
+        if let Some(path) = &self.path {
+            path.decode(latents, lengths, &mut tape.features);
+        }
         Ok(())
     }
 
@@ -127,6 +133,9 @@ impl Vae {
         let layout = Layout { lengths, memory: Some((latents, self.sizes.latent_tokens)) };
         let mut to = WeightGradients { row, work: &mut tape.outer };
         self.decoder.backward(&mut tape.decoded, layout, grad_latents, &mut tape.decoder, &mut to);
+        if let Some(path) = &self.path {
+            path.backward(grad_features, lengths, grad_latents);
+        }
         let mut rest = &tape.decoded[..];
         for &frames in lengths {
             let (own, others) = rest.split_at(frames * self.sizes.width);

@@ -4,7 +4,7 @@ use super::settings::Pace;
 use crate::TrainError;
 use crate::corpus::write;
 use crate::training::adamw::{AdamW, Moments, clip};
-use crate::training::checkpoint::{Checkpoint, State};
+use crate::training::checkpoint::{CHECKPOINT, Checkpoint, State};
 use crate::training::rate::rate;
 use inkrig_generate::readers::file::{Header, to_bytes};
 use inkrig_generate::readers::network::{Network, Plan, Work};
@@ -119,7 +119,7 @@ struct Run {
 
 impl Run {
     fn open(plan: Plan, task: &Task<'_>) -> Result<Self, TrainError> {
-        let path = task.folder.join("checkpoint.safetensors");
+        let path = task.folder.join(CHECKPOINT);
         let other = |what: &str| TrainError::Content { path: path.clone(), what: what.into() };
         let (weights, moments, state) = match Checkpoint::read(&path)? {
             Some(found) if found.state.settings != task.identity => {
@@ -193,7 +193,7 @@ impl Run {
         let state = State { step: self.moments.step, ..self.state.clone() };
         let checkpoint =
             Checkpoint { weights: self.weights.clone(), moments: self.moments.clone(), average: None, state };
-        checkpoint.write(&folder.join("checkpoint.safetensors"))
+        checkpoint.write(&folder.join(CHECKPOINT))
     }
 
     fn write_weights(&self, path: &Path, header: &Header) -> Result<(), TrainError> {

@@ -9,6 +9,8 @@ use std::collections::HashMap;
 use std::io::Read as _;
 use std::path::Path;
 
+/// The file in a run's folder.
+pub(crate) const CHECKPOINT: &str = "checkpoint.safetensors";
 const HEADER: &str = "inkrig-training";
 /// More than the largest network with its moments.
 const MOST_BYTES: u64 = 8 << 30;
@@ -104,7 +106,7 @@ mod tests {
     #[test]
     fn a_checkpoint_comes_back_and_damage_is_said() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("checkpoint.safetensors");
+        let path = folder.path().join(CHECKPOINT);
         assert_eq!(Checkpoint::read(&path).unwrap(), None);
         let mut moments = Moments::new(3);
         moments.step = 7;

@@ -15,6 +15,7 @@ mod curves;
 mod denoiser;
 mod distill;
 mod latents;
+mod linear_path;
 mod log;
 mod motions;
 mod muon;

@@ -1,7 +1,7 @@
 //! A run of any stage: steps, measurements, checkpoints.
 
 use super::adamw::{AdamW, Moments, clip};
-use super::checkpoint::{Checkpoint, State};
+use super::checkpoint::{CHECKPOINT, Checkpoint, State};
 use super::course::{Course, Optimiser};
 use super::log::{self, Row};
 use super::muon::{self, Matrix};
@@ -139,7 +139,7 @@ struct Run<'a, S: Stage> {
 impl<'a, S: Stage> Run<'a, S> {
     fn open(stage: &'a S, first: Tensors, place: &Place<'_>) -> Result<Self, TrainError> {
         let (course, own) = (stage.course(), stage.settings());
-        let path = place.folder.join("checkpoint.safetensors");
+        let path = place.folder.join(CHECKPOINT);
         let content = |what: &str| TrainError::Content { path: path.clone(), what: what.into() };
         let (weights, moments, average, state) = match Checkpoint::read(&path)? {
             Some(checkpoint) if !stage.is_same(&checkpoint.state.settings) => {
@@ -220,7 +220,7 @@ impl<'a, S: Stage> Run<'a, S> {
             State { seconds: self.state.seconds + seconds, step: self.moments.step, ..self.state.clone() };
         let (weights, moments) = (self.weights.clone(), self.moments.clone());
         let checkpoint = Checkpoint { weights, moments, average: self.average.clone(), state };
-        checkpoint.write(&folder.join("checkpoint.safetensors"))
+        checkpoint.write(&folder.join(CHECKPOINT))
     }
 }
 

@@ -15,6 +15,10 @@ pub struct VaeSettings {
     pub sizes: String,
     /// Latent tokens, 1 to 8; the sizes' own if not said.
     pub latent_tokens: Option<usize>,
+    /// Cosines of the linear path beside the blocks, 0 for none; the sizes' own if not said.
+    pub cosines: Option<usize>,
+    /// Deviation of the noise that a component of the linear path begins with: metres, the root of the sum of squares over joints.
+    pub path_noise: f64,
     /// Steps of the whole run, over which the rate falls.
     pub steps: u64,
     /// Windows of a step.
@@ -66,16 +70,18 @@ impl Default for VaeSettings {
         Self {
             sizes: "small".into(),
             latent_tokens: None,
+            cosines: None,
+            path_noise: 0.01,
             steps: 20_000,
             batch: 64,
             rate: 1e-3,
             warm_up: 200,
-            optimiser: Optimiser::AdamW,
+            optimiser: Optimiser::Muon,
             betas: (0.9, 0.99),
             weight_decay: 0.0,
             clip: 1.0,
             divergence: 1e-5,
-            places: 1.0,
+            places: 30.0,
             noise_from: 0.1,
             noise_until: 0.5,
             frames: 40,
@@ -112,7 +118,8 @@ impl VaeSettings {
             "tiny" => Sizes::tiny(),
             other => return Err(format!("sizes = \"{other}\": give full, small or tiny")),
         };
-        let sizes = Sizes { latent_tokens: self.latent_tokens.unwrap_or(named.latent_tokens), ..named };
+        let latent_tokens = self.latent_tokens.unwrap_or(named.latent_tokens);
+        let sizes = Sizes { latent_tokens, cosines: self.cosines.unwrap_or(named.cosines), ..named };
         sizes.check().map_err(|error| error.to_string())?;
         let most = sizes.most_frames();
         self.course().check()?;
@@ -126,6 +133,12 @@ impl VaeSettings {
             ("shortest", (2..=self.longest).contains(&self.shortest), "2 to longest".into()),
             ("longest", self.longest <= most, format!("at most {most}")),
             ("balance", is_share(self.balance), "0 to 1".into()),
+            ("path_noise", self.path_noise > 0.0 && self.path_noise <= 1.0, "above 0, at most 1".into()),
+            (
+                "weight_decay",
+                self.weight_decay == 0.0 || sizes.cosines == 0,
+                "0, or cosines = 0: a linear path is to stay as it is".into(),
+            ),
         ])?;
         Ok(sizes)
     }

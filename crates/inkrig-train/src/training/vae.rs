@@ -1,6 +1,8 @@
 //! The first stage: the autoencoder.
 
+use super::checkpoint::CHECKPOINT;
 use super::course::Course;
+use super::linear_path::{PathOptions, linear_path};
 use super::reconstruction::{Reconstruction, reconstruction};
 use super::run::{OnStep, Place, Report, run};
 use super::settings::VaeSettings;
@@ -13,7 +15,7 @@ use inkrig_generate::checkpoint::ModelHeader;
 use inkrig_generate::learning::{VaeLearner, VaeObjective};
 use inkrig_generate::networks::{Parts, Sizes, Vae};
 use inkrig_generate::schedule::Noise;
-use inkrig_generate::weights::{Tensors, random};
+use inkrig_generate::weights::{Tensor, Tensors, random};
 use inkrig_motion::humanml::{Statistics, WIDTH};
 use std::path::Path;
 
@@ -46,7 +48,8 @@ pub fn train_vae(
     };
     let first = match place.from {
         Some(path) => named(&read_weights(path)?.1, "vae."),
-        None => random(&stage.sizes, Parts::VAE, settings.seed),
+        None if place.folder.join(CHECKPOINT).exists() => random(&stage.sizes, Parts::VAE, settings.seed),
+        None => stage.first()?,
     };
     let (report, weights) = run(&stage, first, place, progress)?;
     let fitting = LENGTHS.into_iter().filter(|&frames| frames <= stage.sizes.most_frames());
@@ -64,6 +67,31 @@ struct VaeStage<'a> {
 }
 
 impl VaeStage<'_> {
+    /// Weights to begin with: where there is a linear path, the blocks have no say at first.
+    fn first(&self) -> Result<Tensors, TrainError> {
+        let mut weights = random(&self.sizes, Parts::VAE, self.settings.seed);
+        if self.sizes.cosines == 0 {
+            return Ok(weights);
+        }
+        let settings = self.settings;
+        let options = PathOptions {
+            frames: settings.frames,
+            other_lengths: settings.other_lengths,
+            shortest: settings.shortest,
+            longest: settings.longest,
+            noise: settings.path_noise,
+            seed: settings.seed,
+        };
+        weights.extend(linear_path(&self.train, &self.statistics, &self.sizes, &options)?);
+        for name in ["vae.encoder.norm.weight", "vae.encoder.norm.bias", "vae.final_layer.weight"] {
+            if let Some(tensor) = weights.get(name) {
+                let zeros = Tensor::new(tensor.shape().to_vec(), vec![0.0; tensor.data().len()]);
+                weights.insert(name, zeros.map_err(network)?);
+            }
+        }
+        Ok(weights)
+    }
+
     fn reconstruction(
         &self,
         weights: &Tensors,
