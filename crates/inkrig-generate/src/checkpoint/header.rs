@@ -29,6 +29,9 @@ pub struct ModelHeader {
     pub statistics: Option<ModelStatistics>,
     /// The bone that ends at each joint where nothing is turned, metres; published files lack it.
     pub skeleton: Option<Vec<[f32; 3]>>,
+    /// How much more its words count than no word does, where that is not the papers' 7.5.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub text_weight: Option<f32>,
     /// What it was trained on.
     pub data: String,
     /// What may be done with it.
@@ -62,6 +65,7 @@ impl ModelHeader {
             joints: NAMES.map(String::from).to_vec(),
             statistics: None,
             skeleton: None,
+            text_weight: None,
             data: String::new(),
             licence: String::new(),
             sha256: String::new(),
@@ -90,6 +94,9 @@ impl ModelHeader {
         let wrong = |what: String| Err(CheckpointError::Header { what });
         if self.joints != NAMES {
             return wrong(format!("its joints are not the {JOINTS} of the HumanML3D form, in their order"));
+        }
+        if let Some(weight) = self.text_weight.filter(|weight| !(0.0..=100.0).contains(weight)) {
+            return wrong(format!("its weight of words is {weight}, and 0 to 100 is possible"));
         }
         if let Some(statistics) = &self.statistics {
             statistics.check()?;

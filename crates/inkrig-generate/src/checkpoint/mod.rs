@@ -27,7 +27,7 @@ pub use import::{About, Import, NetworkRow, read_statistics};
 pub use mapping::ModelKind;
 pub use model::{ModelFile, write_model};
 pub use npy::{MOST_NPY_BYTES, read_npy};
-pub use number::NumberKind;
+pub use number::{NumberKind, to_half};
 pub use safetensors::Safetensors;
 pub use source::{Listed, TensorSource};
 pub use torch::TorchFile;

@@ -107,7 +107,7 @@ pub(super) fn from_half(bits: u16) -> f32 {
 }
 
 /// The nearest half precision number, ties to even; beyond its range infinity.
-pub(super) fn to_half(number: f32) -> u16 {
+pub fn to_half(number: f32) -> u16 {
     let bits = number.to_bits();
     let sign = (bits >> 16 & 0x8000) as u16;
     let size = bits & 0x7fff_ffff;

@@ -160,13 +160,11 @@ impl<'a> ControlLearner<'a> {
         let samples =
             Samples { latents: batch.noisy, timesteps: batch.timesteps, texts: batch.texts, guidance: None };
         let branch = self.denoiser.branch();
-        let mut x = branch.forward_batch(&samples, &self.waves, Some(&corrections), None, &mut self.base);
+        let x = branch.forward_batch(&samples, &self.waves, Some(&corrections), None, &mut self.base);
 
-        let (losses, grad) = self.losses(&x, batch, objective, each)?;
-        for (x, grad) in x.chunks_exact_mut(each).zip(grad.chunks_exact(latent)) {
-            x[..latent].copy_from_slice(grad);
-            x[latent..].fill(0.0);
-        }
+        let predicted = self.denoiser.noise_of(&x, batch.noisy, batch.timesteps);
+        let (losses, grad) = self.losses(&predicted, batch, objective)?;
+        let mut x = self.denoiser.noise_gradient(&x, &grad, batch.timesteps, None);
         gradient.clear();
         gradient.resize(row.len(), 0.0);
         let mut of_corrections: Residuals = vec![Vec::new(); self.sizes.control_blocks];
@@ -193,20 +191,19 @@ impl<'a> ControlLearner<'a> {
     /// All losses of what came out of the denoiser, and their gradient with respect to the predicted noise.
     fn losses(
         &mut self,
-        x: &[f32],
+        predicted: &[f32],
         batch: &ControlBatch<'_>,
         objective: &ControlObjective,
-        each: usize,
     ) -> Result<(ControlLosses, Vec<f32>), GenerateError> {
         let latent = self.sizes.latent_tokens * self.sizes.width;
-        let predicted: Vec<f32> = x.chunks_exact(each).flat_map(|x| &x[..latent]).copied().collect();
         let scale = 2.0 * objective.noise / predicted.len() as f64;
         let mut losses = ControlLosses::default();
         let mut grad: Vec<f32> = Vec::with_capacity(predicted.len());
-        for (predicted, noise) in predicted.iter().zip(batch.noise) {
+        for (at, (predicted, noise)) in predicted.iter().zip(batch.noise).enumerate() {
             let apart = f64::from(predicted - noise);
-            losses.noise += apart * apart / batch.noise.len() as f64;
-            grad.push((scale * apart) as f32);
+            let weight = f64::from(self.denoiser.loss_weight(batch.timesteps[at / latent]));
+            losses.noise += weight * apart * apart / batch.noise.len() as f64;
+            grad.push((scale * weight * apart) as f32);
         }
         if !batch.wanted.is_empty() && (objective.trajectory > 0.0 || objective.keypose > 0.0) {
             let mut clean = Vec::with_capacity(batch.wanted.len() * latent);
@@ -339,7 +336,7 @@ pub(super) mod tests {
     }
 
     pub(in super::super) fn made() -> Made {
-        let sizes = Sizes { latent_tokens: 2, guidance_width: 0, ..Sizes::tiny() };
+        let sizes = Sizes { latent_tokens: 2, guidance_width: 0, velocity: true, ..Sizes::tiny() };
         let all = hashed(&sizes, Networks::ALL);
         let control = Networks { vae: false, denoiser: false, control: true, control_2d: false };
         let used = tensors(&sizes, control).into_iter().filter(|spec| spec.used);

@@ -51,7 +51,7 @@ impl DenoiserLearner {
         })
     }
 
-    /// The mean squared error of the noise that is predicted at the weights `row`, and its gradient, which replaces what is in
+    /// The mean squared error of what is predicted (noise, or velocity where the sizes say so) at the weights `row`, and its gradient, which replaces what is in
     /// `gradient`. `dropout` is the share of numbers that blocks drop, and which they are.
     ///
     /// # Errors
@@ -88,23 +88,24 @@ impl DenoiserLearner {
         let (latents, timesteps) = (batch.latents, batch.timesteps);
         let samples = Samples { latents, timesteps, texts: &texts, guidance: None };
         self.tape.set_dropout(dropout.map(|(share, seed)| Dropout { share, seed }));
-        let mut x = branch.forward_batch(&samples, &self.waves, None, None, &mut self.tape);
+        let x = branch.forward_batch(&samples, &self.waves, None, None, &mut self.tape);
 
-        let tokens = latent + 2 * self.sizes.width;
-        let scale = 2.0 / (count * latent) as f32;
+        let mut predicted = denoiser.noise_of(&x, latents, timesteps);
         let mut sum = 0.0;
-        for (x, noise) in x.chunks_exact_mut(tokens).zip(batch.noise.chunks_exact(latent)) {
-            let (predicted, rest) = x.split_at_mut(latent);
-            rest.fill(0.0);
+        let rows = predicted.chunks_exact_mut(latent).zip(batch.noise.chunks_exact(latent));
+        for ((predicted, noise), &timestep) in rows.zip(timesteps) {
+            let weight = denoiser.loss_weight(timestep);
+            let scale = 2.0 * weight / (count * latent) as f32;
             for (x, noise) in predicted.iter_mut().zip(noise) {
                 let apart = *x - noise;
-                sum += f64::from(apart) * f64::from(apart);
+                sum += f64::from(weight * apart) * f64::from(apart);
                 *x = scale * apart;
             }
         }
         gradient.clear();
         gradient.resize(row.len(), 0.0);
         let mut to = WeightGradients { row: gradient, work: &mut self.work };
+        let mut x = denoiser.noise_gradient(&x, &predicted, timesteps, Some(&mut to));
         let side = SideGradients::default();
         branch.backward_batch(&mut x, &samples, &mut self.tape, side, Some(&mut to), &mut self.inputs);
         for (place, grad) in places.into_iter().zip(self.inputs.texts.chunks_exact(text)) {
@@ -124,7 +125,7 @@ mod tests {
 
     #[test]
     fn the_gradient_is_a_difference_in_every_tensor() {
-        let sizes = Sizes { latent_tokens: 2, guidance_width: 0, ..Sizes::tiny() };
+        let sizes = Sizes { latent_tokens: 2, guidance_width: 0, velocity: true, ..Sizes::tiny() };
         let parts = Parts { vae: false, denoiser: true, control: false, control_2d: false };
         let mut weights = hashed(&sizes, parts);
         let text = sizes.text_width;

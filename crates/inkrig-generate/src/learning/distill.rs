@@ -108,23 +108,23 @@ impl DistillLearner {
             Samples { latents: &ahead, timesteps: batch.ends, texts: batch.texts, guidance: Some(&guidance) };
         let network = Denoiser::new(&self.sizes, &self.weights.with_row(target)?)?;
         let x = network.branch().forward_batch(&samples, &self.waves, None, None, &mut self.other);
-        let wanted = self.consistent(&x, &ahead, batch.ends);
+        let wanted = self.consistent(&network.noise_of(&x, &ahead, batch.ends), &ahead, batch.ends);
 
         let student = Denoiser::new(&self.sizes, &self.weights.with_row(row)?)?;
         let branch = student.branch();
         let samples = Samples { latents: batch.noisy, timesteps: batch.starts, ..samples };
-        let mut x = branch.forward_batch(&samples, &self.waves, None, None, &mut self.tape);
-        let said = self.consistent(&x, batch.noisy, batch.starts);
+        let x = branch.forward_batch(&samples, &self.waves, None, None, &mut self.tape);
+        let mut noise = student.noise_of(&x, batch.noisy, batch.starts);
+        let said = self.consistent(&noise, batch.noisy, batch.starts);
         let (mut sum, huber) = (0.0, self.huber);
         let numbers = said.len() as f32;
-        let rows = x.chunks_exact_mut(latent + 2 * self.sizes.width);
+        let rows = noise.chunks_exact_mut(latent);
         let pairs = said.chunks_exact(latent).zip(wanted.chunks_exact(latent));
         for ((x, (said, wanted)), &start) in rows.zip(pairs).zip(batch.starts) {
             let (_, out) = boundary(start);
             let alpha = self.schedule.alpha(start);
             // By how much the answer changes with the noise that is predicted.
             let factor = -out * ((1.0 - alpha) / alpha).sqrt() / numbers;
-            x.fill(0.0);
             for ((x, said), wanted) in x.iter_mut().zip(said).zip(wanted) {
                 let apart = said - wanted;
                 let length = (apart * apart + huber * huber).sqrt();
@@ -135,6 +135,7 @@ impl DistillLearner {
         gradient.clear();
         gradient.resize(row.len(), 0.0);
         let mut to = WeightGradients { row: gradient, work: &mut self.work };
+        let mut x = student.noise_gradient(&x, &noise, batch.starts, Some(&mut to));
         let side = SideGradients::default();
         branch.backward_batch(&mut x, &samples, &mut self.tape, side, Some(&mut to), &mut self.inputs);
         Ok(sum / f64::from(numbers))
@@ -143,15 +144,15 @@ impl DistillLearner {
     /// One step of the teacher, with text weighted, from start to end (DDIM).
     fn teach(&mut self, batch: &DistillBatch<'_>) -> Vec<f32> {
         let latent = self.sizes.latent_tokens * self.sizes.width;
-        let each = latent + 2 * self.sizes.width;
         let branch = self.teacher.branch();
         let nothing = self.no_text.repeat(batch.starts.len());
         let [with, without] = [batch.texts, &nothing].map(|texts| {
             let samples = Samples { latents: batch.noisy, timesteps: batch.starts, texts, guidance: None };
-            branch.forward_batch(&samples, &self.waves, None, None, &mut self.other)
+            let x = branch.forward_batch(&samples, &self.waves, None, None, &mut self.other);
+            self.teacher.noise_of(&x, batch.noisy, batch.starts)
         });
         let mut ahead = batch.noisy.to_vec();
-        let rows = with.chunks_exact(each).zip(without.chunks_exact(each)).zip(batch.text_weights);
+        let rows = with.chunks_exact(latent).zip(without.chunks_exact(latent)).zip(batch.text_weights);
         let steps = batch.starts.iter().zip(batch.ends);
         for ((ahead, ((with, without), weight)), (&start, &end)) in
             ahead.chunks_exact_mut(latent).zip(rows).zip(steps)
@@ -166,10 +167,10 @@ impl DistillLearner {
         ahead
     }
 
-    /// What a consistency model says of latents: `x` is what comes out of the network.
-    fn consistent(&self, x: &[f32], latents: &[f32], timesteps: &[usize]) -> Vec<f32> {
+    /// What a consistency model says of latents whose noise it predicts.
+    fn consistent(&self, noise: &[f32], latents: &[f32], timesteps: &[usize]) -> Vec<f32> {
         let latent = self.sizes.latent_tokens * self.sizes.width;
-        let rows = x.chunks_exact(latent + 2 * self.sizes.width).zip(latents.chunks_exact(latent));
+        let rows = noise.chunks_exact(latent).zip(latents.chunks_exact(latent));
         let mut said = Vec::with_capacity(latents.len());
         for ((x, latents), &step) in rows.zip(timesteps) {
             let ((skip, out), alpha) = (boundary(step), self.schedule.alpha(step));
@@ -192,7 +193,7 @@ mod tests {
 
     #[test]
     fn the_gradient_is_a_difference_in_every_tensor_and_a_step_of_nothing_is_none() {
-        let sizes = Sizes { latent_tokens: 2, ..Sizes::tiny() };
+        let sizes = Sizes { latent_tokens: 2, velocity: true, ..Sizes::tiny() };
         let parts = Parts { vae: false, denoiser: true, control: false, control_2d: false };
         let weights = hashed(&sizes, parts);
         let no_text = Noise::new(6).normals(sizes.text_width);

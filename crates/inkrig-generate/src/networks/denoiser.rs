@@ -6,6 +6,7 @@ use super::Sizes;
 use super::branch::Branch;
 use super::linear::Linear;
 use super::stack::{Ending, Residuals, StackTape};
+use super::velocity::Velocity;
 use crate::GenerateError;
 use crate::numeric::elementwise::{add, relu};
 use crate::weights::Tensors;
@@ -49,6 +50,7 @@ impl Corrections {
 #[derive(Debug, Clone)]
 pub struct Denoiser {
     pub(super) branch: Branch,
+    pub(super) velocity: Option<Velocity>,
 }
 
 impl Denoiser {
@@ -58,7 +60,7 @@ impl Denoiser {
     /// When the sizes cannot be, or a weight is missing or of another shape.
     pub fn new(sizes: &Sizes, weights: &Tensors) -> Result<Self, GenerateError> {
         let branch = Branch::new(weights, "denoiser.denoiser", sizes, sizes.denoiser_blocks, Ending::Norm)?;
-        Ok(Self { branch })
+        Ok(Self { branch, velocity: Velocity::new(sizes, weights)? })
     }
 
     /// The noise in each latent: as many numbers as there are in the latents.
@@ -72,9 +74,7 @@ impl Denoiser {
         work: &mut Work,
     ) -> Result<Vec<f32>, GenerateError> {
         let x = self.branch.run(noisy, corrections, None, &mut work.tape)?;
-        let (tokens, width) = (self.branch.sizes.latent_tokens, self.branch.sizes.width);
-        let samples = x.chunks_exact((tokens + 2) * width);
-        Ok(samples.flat_map(|sample| &sample[..tokens * width]).copied().collect())
+        Ok(self.noise_of(&x, noisy.latents, noisy.timesteps))
     }
 }
 

@@ -17,6 +17,7 @@ mod stack;
 mod tokens;
 mod vae;
 mod vae_gradient;
+mod velocity;
 
 pub(crate) use block::WeightGradients;
 pub(crate) use branch_gradient::{BranchTape, InputGradients};

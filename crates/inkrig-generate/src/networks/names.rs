@@ -72,6 +72,9 @@ pub fn tensors(sizes: &Sizes, parts: Parts) -> Vec<TensorSpec> {
     if parts.denoiser {
         list.branch("denoiser.denoiser", sizes.denoiser_blocks);
         list.norm("denoiser.denoiser.encoder.norm");
+        if sizes.velocity {
+            list.linear("denoiser.denoiser.velocity", width, width);
+        }
     }
     if parts.control {
         list.branch("denoiser", sizes.control_blocks);

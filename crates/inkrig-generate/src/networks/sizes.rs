@@ -34,6 +34,15 @@ pub struct Sizes {
     /// Cosines of each feature that the VAE's linear path beside its blocks sees; 0 without such a path, as published.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub cosines: usize,
+    /// Whether the denoiser's blocks say the velocity (Salimans and Ho 2022), which the noise follows from, by a linear layer of their own;
+    /// else they say the noise, as published.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub velocity: bool,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_false(said: &bool) -> bool {
+    !*said
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
@@ -58,6 +67,7 @@ impl Sizes {
             text_width: 768,
             guidance_width: 256,
             cosines: 0,
+            velocity: false,
         }
     }
 
@@ -74,6 +84,7 @@ impl Sizes {
             keypose_blocks: 3,
             positions: 256,
             cosines: 16,
+            velocity: true,
             ..Self::full()
         }
     }

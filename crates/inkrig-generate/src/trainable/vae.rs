@@ -41,6 +41,10 @@ impl TrainableVae {
             let (setting, value) = ("dropout", dropout.to_string());
             return Err(GenerateError::Setting { setting, value, needed: "from 0 to below 1" });
         }
+        if sizes.cosines > 0 {
+            let (setting, value) = ("cosines", sizes.cosines.to_string());
+            return Err(GenerateError::Setting { setting, value, needed: "0: there is no linear path here" });
+        }
         let source = Source { weights, sizes, dropout, device };
         let tokens = [2 * sizes.latent_tokens, sizes.width];
         Ok(Self {

@@ -5,6 +5,7 @@ use crate::TrainError;
 use crate::corpus::write;
 use crate::training::adamw::{AdamW, Moments, clip};
 use crate::training::checkpoint::{CHECKPOINT, Checkpoint, State};
+use crate::training::muon::{self, Matrix};
 use crate::training::rate::rate;
 use inkrig_generate::readers::file::{Header, to_bytes};
 use inkrig_generate::readers::network::{Network, Plan, Work};
@@ -18,6 +19,8 @@ use std::time::Instant;
 
 /// Pictures whose gradients are added up before those of others: the sum does not depend on the number of threads.
 const GROUP: usize = 4;
+/// What a step leaves of the mean of the weights along the way, which is what is measured and written.
+const AVERAGE: f32 = 0.998;
 
 /// Hears of a step: how many were taken, of how many, and what was measured at it; can say stop.
 pub type OnStep<'a, R> = dyn FnMut(u64, u64, Option<&R>) -> ControlFlow<()> + 'a;
@@ -113,6 +116,9 @@ pub(super) fn teach<L: Lesson>(
 struct Run {
     network: Network,
     weights: Vec<f32>,
+    average: Vec<f32>,
+    /// Those that Muon moves: the layers inside blocks.
+    matrices: Vec<Matrix>,
     moments: Moments,
     state: State,
 }
@@ -121,28 +127,31 @@ impl Run {
     fn open(plan: Plan, task: &Task<'_>) -> Result<Self, TrainError> {
         let path = task.folder.join(CHECKPOINT);
         let other = |what: &str| TrainError::Content { path: path.clone(), what: what.into() };
-        let (weights, moments, state) = match Checkpoint::read(&path)? {
+        let (weights, average, moments, state) = match Checkpoint::read(&path)? {
             Some(found) if found.state.settings != task.identity => {
                 return Err(other("is of a run with other settings: give those, or another folder"));
             }
             Some(found) if found.weights.len() != plan.numbers() => {
                 return Err(other("is of another network: give another folder"));
             }
-            Some(found) => (found.weights, found.moments, found.state),
+            Some(found) => (found.weights, found.average, found.moments, found.state),
             None => {
                 let state = State { settings: task.identity.clone(), ..State::default() };
-                (plan.random(task.pace.seed), Moments::new(plan.numbers()), state)
+                (plan.random(task.pace.seed), None, Moments::new(plan.numbers()), state)
             }
         };
+        let inside = |name: &str| name.ends_with(".linear1.weight") || name.ends_with(".linear2.weight");
+        let matrices = muon::matrices_of(plan.tensors(), inside);
         let network =
             Network::taught(plan, &weights).map_err(|error| TrainError::Device(error.to_string()))?;
-        Ok(Self { network, weights, moments, state })
+        let average = average.unwrap_or_else(|| weights.clone());
+        Ok(Self { network, weights, average, matrices, moments, state })
     }
 
     /// The network as it is run.
     fn plain(&self) -> Result<Network, TrainError> {
         let plan = self.network.plan().clone();
-        Network::new(plan, &self.weights).map_err(|error| TrainError::Device(error.to_string()))
+        Network::new(plan, &self.average).map_err(|error| TrainError::Device(error.to_string()))
     }
 
     fn rate(&self, pace: &Pace, step: u64) -> f64 {
@@ -184,21 +193,25 @@ impl Run {
         }
         let adam = AdamW { betas: (0.9, 0.98), weight_decay: pace.weight_decay };
         let rate = self.rate(pace, step);
-        adam.step(&mut self.weights, &gradient, &mut self.moments, rate);
+        muon::step(&self.matrices, adam, &mut self.weights, &gradient, &mut self.moments, rate);
+        // Of the first steps it is a plain mean: the beginning is soon forgotten.
+        let kept = AVERAGE.min((step + 1) as f32 / (step + 10) as f32);
+        let rows = self.average.iter_mut().zip(&self.weights);
+        rows.for_each(|(average, weight)| *average += (1.0 - kept) * (weight - *average));
         self.network.set(&self.weights).map_err(|error| TrainError::Device(error.to_string()))?;
         Ok(loss)
     }
 
     fn save(&self, folder: &Path) -> Result<(), TrainError> {
         let state = State { step: self.moments.step, ..self.state.clone() };
-        let checkpoint =
-            Checkpoint { weights: self.weights.clone(), moments: self.moments.clone(), average: None, state };
+        let (weights, moments) = (self.weights.clone(), self.moments.clone());
+        let checkpoint = Checkpoint { weights, moments, average: Some(self.average.clone()), state };
         checkpoint.write(&folder.join(CHECKPOINT))
     }
 
     fn write_weights(&self, path: &Path, header: &Header) -> Result<(), TrainError> {
         let wrong = |what: String| TrainError::Content { path: path.to_path_buf(), what };
-        let tensors = Network::to_tensors(self.network.plan(), &self.weights)
+        let tensors = Network::to_tensors(self.network.plan(), &self.average)
             .map_err(|error| wrong(error.to_string()))?;
         let bytes = to_bytes(header, &tensors).map_err(|error| wrong(error.to_string()))?;
         write(path, &bytes)

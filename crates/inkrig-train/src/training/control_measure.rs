@@ -97,7 +97,9 @@ pub(super) fn measure(
     let networks = Networks::new(sizes, weights).map_err(network)?;
     let sampler = Sampler { networks: &networks, features: &base.features, no_text: &held_out.no_text };
     let steps = if sizes.guidance_width > 0 { Steps::Lcm(4) } else { Steps::Ddim(STEPS) };
-    let options = SamplingOptions { steps, guidance: None, ..SamplingOptions::default() };
+    let usual = SamplingOptions::default();
+    let text_weight = base.header.text_weight.unwrap_or(usual.text_weight);
+    let options = SamplingOptions { steps, text_weight, guidance: None, ..usual };
     let sampled = sampler.sample(&held_out.conditions, &options, 0).map_err(network)?;
     let frames: Vec<usize> = held_out.clips.iter().map(Vec::len).collect();
     let mut decoding = Decoding::default();

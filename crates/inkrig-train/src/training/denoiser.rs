@@ -1,6 +1,6 @@
 //! The second stage: the denoiser and the vectors of verbs, on latents of a finished autoencoder.
 
-use super::course::{Course, Settings, broken, is_share, read_settings};
+use super::course::{Course, Optimiser, Settings, broken, is_share, read_settings};
 use super::latents::{Cut, Drawing, Latents, windows};
 use super::motions;
 use super::run::{OnStep, Place, Report, run};
@@ -28,6 +28,8 @@ const VERB_DEVIATION: f32 = 0.5;
 pub struct DenoiserSettings {
     /// Steps, rates, measurements.
     pub course: Course,
+    /// Whether the denoiser says the velocity, by a layer of its own; else the noise, as published.
+    pub velocity: bool,
     /// Share of numbers that are dropped.
     pub dropout: f64,
     /// Share of samples that lose their text, so that there is a prediction without.
@@ -54,19 +56,21 @@ impl Default for DenoiserSettings {
             course: Course {
                 steps: 30_000,
                 batch: 128,
-                rate: 5e-4,
+                rate: 1e-3,
                 warm_up: 500,
+                optimiser: Optimiser::Muon,
                 betas: (0.9, 0.99),
                 average: 0.999,
                 measure_every: 500,
                 save_every: 250,
                 ..Course::default()
             },
+            velocity: true,
             dropout: 0.1,
             text_dropped: 0.1,
             frames: 40,
             stride: 10,
-            other_lengths: 0.1,
+            other_lengths: 0.0,
             shortest: 20,
             longest: 120,
             balance: 0.5,
@@ -120,7 +124,7 @@ pub fn train_denoiser(
 ) -> Result<Report, TrainError> {
     settings.check().map_err(TrainError::Device)?;
     let (header, base) = read_weights(vae)?;
-    let sizes = Sizes { guidance_width: 0, ..header.sizes.clone() };
+    let sizes = Sizes { guidance_width: 0, velocity: settings.velocity, ..header.sizes.clone() };
     let header = ModelHeader { sizes: sizes.clone(), ..header };
     let content = |what: String| TrainError::Content { path: vae.into(), what };
     let (statistics, _) = header.statistics().map_err(|error| content(error.to_string()))?;
@@ -260,7 +264,7 @@ pub(super) fn timesteps(count: usize, noise: &mut Noise) -> Vec<usize> {
     (0..count).map(|_| ((noise.uniform() * STEPS as f64) as usize).min(STEPS - 1)).collect()
 }
 
-/// Mean squared error of the noise that is predicted in held-out latents, at noises and timesteps that are always the same.
+/// Mean squared error of what is predicted of held-out latents, at noises and timesteps that are always the same.
 fn noise_error(
     sizes: &Sizes,
     weights: &Tensors,
@@ -289,8 +293,12 @@ fn noise_error(
         let texts = text.repeat(times);
         let noisy = Noisy { latents: &latents, timesteps: &timesteps, texts: &texts, guidance: None };
         let predicted = denoiser.noise(&noisy, None, &mut work)?;
-        let off = |(a, b): (&f32, &f32)| f64::from(a - b) * f64::from(a - b);
-        sum += predicted.iter().zip(&noise).map(off).sum::<f64>();
+        let rows = predicted.chunks_exact(latent.len()).zip(noise.chunks_exact(latent.len()));
+        for ((predicted, noise), &timestep) in rows.zip(&timesteps) {
+            let off = |(a, b): (&f32, &f32)| f64::from(a - b) * f64::from(a - b);
+            let apart: f64 = predicted.iter().zip(noise).map(off).sum();
+            sum += f64::from(denoiser.loss_weight(timestep)) * apart;
+        }
         count += noise.len();
     }
     Ok(sum / count.max(1) as f64)

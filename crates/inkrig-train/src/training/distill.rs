@@ -60,7 +60,7 @@ impl Default for DistillSettings {
             frames: 40,
             stride: 10,
             balance: 0.5,
-            text_weights: (5.0, 15.0),
+            text_weights: (1.0, 4.0),
             solver_steps: 50,
             huber: 1e-3,
             guidance_width: 256,
@@ -192,7 +192,7 @@ impl DistillStage<'_> {
     /// What text weight clips are measured with.
     fn text_weight(&self) -> f32 {
         let (least, most) = self.settings.text_weights;
-        7.5_f32.clamp(least, most)
+        self.header.text_weight.unwrap_or(7.5).clamp(least, most)
     }
 
     /// Samples of the teacher by all of its steps.

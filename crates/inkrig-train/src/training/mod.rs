@@ -18,7 +18,7 @@ mod latents;
 mod linear_path;
 mod log;
 mod motions;
-mod muon;
+pub(crate) mod muon;
 mod picture;
 pub(crate) mod rate;
 mod reconstruction;

@@ -11,7 +11,7 @@ const MOMENTUM: f32 = 0.95;
 
 /// A matrix in the row of all weights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Matrix {
+pub(crate) struct Matrix {
     first: usize,
     rows: usize,
     columns: usize,
@@ -20,20 +20,28 @@ pub(super) struct Matrix {
 /// The matrices inside blocks: projections of attention (queries, keys and values apart), feed-forward layers and joins of skips. Layers
 /// at the ends, tables, tokens, norms and biases are AdamW's.
 pub(super) fn matrices(weights: &Tensors) -> Vec<Matrix> {
+    let inside = |name: &str| name.split('.').any(|part| part.ends_with("block") || part.ends_with("blocks"));
+    matrices_of(weights.iter().map(|(name, tensor)| (name, tensor.shape())), inside)
+}
+
+/// The matrices with these names, of tensors that lie one behind the other.
+pub(crate) fn matrices_of<'a>(
+    tensors: impl Iterator<Item = (&'a str, &'a [usize])>,
+    inside: impl Fn(&str) -> bool,
+) -> Vec<Matrix> {
     let mut first = 0;
     let mut found = Vec::new();
-    for (name, tensor) in weights.iter() {
-        let inside = name.split('.').any(|part| part.ends_with("block") || part.ends_with("blocks"));
-        if let ([rows, columns], true) = (tensor.shape(), inside) {
+    for (name, shape) in tensors {
+        if let ([rows, columns], true) = (shape, inside(name)) {
             found.push(Matrix { first, rows: *rows, columns: *columns });
         }
-        first += tensor.data().len();
+        first += shape.iter().product::<usize>();
     }
     found
 }
 
 /// One step for all weights: Muon for the matrices, AdamW for what is between them.
-pub(super) fn step(
+pub(crate) fn step(
     matrices: &[Matrix],
     adam: AdamW,
     weights: &mut [f32],

@@ -13,6 +13,9 @@ use std::fs::File;
 use std::io::{BufReader, Cursor};
 use std::path::Path;
 
+/// Latents of a linear path go on where a weight of 7.5 pushes them, and bodies come apart; with 2 a word is still clear.
+const TEXT_WEIGHT: f32 = 2.0;
+
 /// What a model in training says of itself.
 pub(super) fn header_of(sizes: &Sizes, statistics: &CorpusStatistics) -> ModelHeader {
     ModelHeader {
@@ -23,6 +26,7 @@ pub(super) fn header_of(sizes: &Sizes, statistics: &CorpusStatistics) -> ModelHe
             std_raw: statistics.joint_deviation.clone(),
         }),
         skeleton: Some(statistics.body.clone()),
+        text_weight: Some(TEXT_WEIGHT),
         ..ModelHeader::new("in training", sizes.clone(), Semantics::Paper, TextEncoderKind::Verbs)
     }
 }
