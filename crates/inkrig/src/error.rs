@@ -240,12 +240,6 @@ pub enum CliError {
         /// What is wrong.
         cause: Box<CheckpointError>,
     },
-    /// No model was named.
-    #[error("a model is needed: give --model FILE.safetensors, or set INKRIG_MODEL to one")]
-    #[diagnostic(help(
-        "none comes with this program yet; inkrig model import makes one of published weights (see inkrig model import --help)"
-    ))]
-    NoModel,
     /// A model that takes text from another one.
     #[error(
         "{}: this model takes its text from {what}: give --text-model with a folder that has it",

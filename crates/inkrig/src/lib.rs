@@ -49,6 +49,7 @@ mod read_back;
 mod readers;
 mod results;
 pub mod sheet;
+mod shipped;
 mod show;
 mod side_by_side;
 pub mod span;

@@ -3,6 +3,7 @@
 use super::CheckpointError;
 use super::source::Listed;
 use crate::networks::{Parts, Sizes};
+use inkrig_motion::humanml::WIDTH;
 use std::collections::BTreeMap;
 
 /// Published models that can be told by their tensors.
@@ -90,6 +91,8 @@ pub(super) fn detect(listed: &[Listed]) -> Result<Detected, CheckpointError> {
         positions: names.axis("vae.query_pos_encoder.pe", 0).unwrap_or(like.positions),
         text_width: names.axis(&format!("{base}.emb_proj.1.weight"), 1).unwrap_or(like.text_width),
         guidance_width: names.axis(&format!("{base}.{DISTILLED}"), 1).unwrap_or(0),
+        cosines: names.axis("vae.linear_path.encoder.weight", 1).map_or(0, |numbers| numbers / WIDTH),
+        velocity: names.any("denoiser.denoiser.velocity."),
         ..like
     };
     sizes.check()?;

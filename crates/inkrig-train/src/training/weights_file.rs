@@ -13,8 +13,9 @@ use std::fs::File;
 use std::io::{BufReader, Cursor};
 use std::path::Path;
 
-/// Latents of a linear path go on where a weight of 7.5 pushes them, and bodies come apart; with 2 a word is still clear.
-const TEXT_WEIGHT: f32 = 2.0;
+/// Latents of a linear path go on where a weight pushes them: with 7.5 bodies come apart, with 2 crawling ones stand on their heads, with 1
+/// words are hard to tell apart.
+const TEXT_WEIGHT: f32 = 1.5;
 
 /// What a model in training says of itself.
 pub(super) fn header_of(sizes: &Sizes, statistics: &CorpusStatistics) -> ModelHeader {

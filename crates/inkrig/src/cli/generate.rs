@@ -7,11 +7,14 @@ use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
 
 pub(super) const EXAMPLES: &str = r#"Examples:
-  inkrig generate --model kicks.safetensors --word kick -o kick.bvh
-      two seconds of a kick; another --seed is another kick
-  inkrig generate --model kicks.safetensors --word kick --keypose3d pose.json --trajectory3d foot.json -o kick.glb
+  inkrig generate --word jump -o jump.bvh
+      two seconds of a jump; another --seed is another jump
+  inkrig generate --word kick --seed 3 --sheet kick.png -o kick.glb
+      with a picture of its poses
+  inkrig generate --word kick --keypose3d pose.json --trajectory3d foot.json -o kick.glb
       with the pose of one frame, and the way of a joint
-  INKRIG_MODEL=kicks.safetensors inkrig generate --word "walk and jump" --length 3s --seed 7 -o jump.bvh
+  inkrig generate --model mine.safetensors --word "walk and jump" --seed 7 -o jump.bvh
+      with another model than the one inside the program
 
 pose.json is a list of 22 points [x, y, z], or {"frame": 12, "joints": [22 points]}.
 foot.json is {"joint": "right_foot", "points": [[0.1, 0.05, 0], ...]}, a point a frame from the first on, or with
@@ -25,7 +28,7 @@ inkrig model import makes model files of published weights."#;
 /// Arguments of `inkrig generate`.
 #[derive(Debug, Args)]
 pub struct GenerateArgs {
-    /// The model file [default: the one that INKRIG_MODEL names]
+    /// The model file [default: the one that INKRIG_MODEL names, else the one that comes with inkrig]
     #[arg(long, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
     pub model: Option<PathBuf>,
     /// What is done: kick, or "walk and turn"
@@ -43,9 +46,13 @@ pub struct GenerateArgs {
     /// Which of the motions: the same seed gives the same
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// Steps from noise to motion: ddim (50), or 1, 2 or 4 of a model that was distilled for few [default: ddim or 2]
+    /// Steps from noise to motion: ddim (50), or 1, 2 or 4 of a model that was distilled for few, as the one that comes with inkrig also is [default: ddim, or 2 of a distilled one]
     #[arg(long)]
     pub steps: Option<StepsArg>,
+    /// How much more the word counts than no word does: more is clearer and less varied, far more is no motion [default: the
+    /// model's own]
+    #[arg(long, value_name = "WEIGHT", value_parser = numbers::text_weight, allow_negative_numbers = true)]
+    pub text_weight: Option<f64>,
     /// How long: frames of 20 a second (40), or seconds (2s)
     #[arg(long, visible_alias = "frames", value_name = "LENGTH", default_value = "40", value_parser = numbers::length, allow_negative_numbers = true)]
     pub length: Length,
@@ -55,6 +62,9 @@ pub struct GenerateArgs {
     /// For models that take T5's or CLIP's text: a folder with its config.json, tokenizer.json and model.safetensors
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     pub text_model: Option<PathBuf>,
+    /// Write a contact sheet of poses
+    #[arg(long, value_name = "FILE.png", value_hint = ValueHint::FilePath)]
+    pub sheet: Option<PathBuf>,
     /// Write what was made of what, and how well conditions are met, as JSON
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
     pub report: Option<PathBuf>,

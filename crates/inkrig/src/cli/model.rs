@@ -1,5 +1,6 @@
 //! What can be said to `inkrig model`.
 
+use crate::numbers;
 use clap::{Args, Subcommand, ValueEnum, ValueHint};
 use std::path::PathBuf;
 
@@ -19,6 +20,11 @@ pub enum ModelCommand {
         after_help = "Examples:\n  inkrig model import adapter.ckpt --stats HumanML3D -o sketch2anim.safetensors\n      with Mean.npy, Std.npy, Mean_raw.npy, Std_raw.npy and 000021.npy in that folder\n  inkrig model import adapter.ckpt --half -o half.safetensors"
     )]
     Import(ModelImportArgs),
+    /// Make a model that was trained ready to be given away: half precision, a name, where it comes from
+    #[command(
+        after_help = "Examples:\n  inkrig model pack runs/align/best.safetensors --name mine --data \"my own clips\" --licence CC0 -o mine.safetensors\n  inkrig model pack runs/distill/best.safetensors --without mine.safetensors -o mine-quick.safetensors\n      only what differs from mine.safetensors: the two belong together"
+    )]
+    Pack(ModelPackArgs),
     /// Say what is in a model file, or in weights that PyTorch saved
     #[command(after_help = "Example:\n  inkrig model inspect adapter.ckpt")]
     Inspect(ModelInspectArgs),
@@ -48,6 +54,35 @@ pub struct ModelImportArgs {
     /// What to call the model [default: the file's name]
     #[arg(long, value_name = "TEXT")]
     pub name: Option<String>,
+    /// What it was trained on
+    #[arg(long, value_name = "TEXT", default_value = "not stated")]
+    pub data: String,
+    /// What may be done with it
+    #[arg(long, value_name = "TEXT", default_value = "not stated: ask its authors")]
+    pub licence: String,
+    /// Replace a file that is there already
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Arguments of `inkrig model pack`.
+#[derive(Debug, Args)]
+pub struct ModelPackArgs {
+    /// The model file that training wrote
+    #[arg(value_hint = ValueHint::FilePath)]
+    pub file: PathBuf,
+    /// The model file to write
+    #[arg(long, short, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+    /// Leave out the weights that this model has, too
+    #[arg(long, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
+    pub without: Option<PathBuf>,
+    /// What to call the model [default: the file's name]
+    #[arg(long, value_name = "TEXT")]
+    pub name: Option<String>,
+    /// How much more its words shall count than no word does, if --text-weight of inkrig generate does not say
+    #[arg(long, value_name = "WEIGHT", value_parser = numbers::text_weight, allow_negative_numbers = true)]
+    pub text_weight: Option<f64>,
     /// What it was trained on
     #[arg(long, value_name = "TEXT", default_value = "not stated")]
     pub data: String,

@@ -9,9 +9,8 @@ use crate::error::CliError;
 use crate::inputs;
 use crate::printable::{self, fixed};
 use inkrig_generate::checkpoint::{CheckpointError, ModelFile, ModelHeader};
-use inkrig_generate::configuration::Configuration;
 use inkrig_generate::networks::Vae;
-use inkrig_generate::sampling::{Networks, Sampler, SamplingOptions, Semantics};
+use inkrig_generate::sampling::{Networks, Sampler, SamplingOptions};
 use inkrig_generate::weights::Tensors;
 use inkrig_motion::humanml::Statistics;
 use inkrig_train::corpus::Manifest;
@@ -75,7 +74,7 @@ fn of_control(
     let windows = held_out(on, &model, 100)?;
     let no_text = texts.encode("").map_err(wrong)?;
     let sampler = Sampler { networks: &networks, features: &model.features, no_text: &no_text };
-    let sampling = usual(model.sampling(steps, &on.model)?);
+    let sampling = usual(super::generate::sampling(&model.header, steps, &on.model)?);
     let protocols: &[Protocol] = match joints {
         JointsArg::One => &[Protocol::Average],
         JointsArg::Several => &[Protocol::Cross],
@@ -131,18 +130,6 @@ impl Opened {
         let (features, places) = header.statistics().map_err(wrong)?;
         let weights = file.tensors().map_err(wrong)?;
         Ok(Self { header, weights, features, places })
-    }
-
-    fn sampling(&self, steps: Option<StepsArg>, path: &Path) -> Result<SamplingOptions, CliError> {
-        let configuration = match self.header.semantics {
-            Semantics::Paper => Configuration::paper(),
-            Semantics::Official => Configuration::official(),
-        };
-        let usual = configuration.map_err(|cause| about(path, cause))?.sampling_options();
-        let distilled = self.header.is_distilled();
-        let steps = super::generate::steps(steps, distilled)
-            .ok_or_else(|| CliError::StepsOfModel { path: path.into(), distilled })?;
-        Ok(SamplingOptions { steps, semantics: self.header.semantics, ..usual })
     }
 }
 

@@ -1,15 +1,17 @@
 //! `inkrig model`: files of weights.
 
-use crate::cli::{ModelArgs, ModelCommand, ModelImportArgs, ModelInspectArgs, TextArg};
+use crate::cli::{ModelArgs, ModelCommand, ModelImportArgs, ModelInspectArgs, ModelPackArgs, TextArg};
 use crate::console::Console;
 use crate::error::CliError;
+use crate::names;
 use crate::output::Output;
 use crate::printable::{self, counted};
 use inkrig_generate::checkpoint::{
-    About, CheckpointError, Import, MOST_NPY_BYTES, ModelFile, ModelHeader, NetworkRow, Safetensors,
-    TensorSource, TorchFile, read_statistics,
+    About, CheckpointError, Import, Listed, MOST_NPY_BYTES, ModelFile, ModelHeader, NetworkRow, NumberKind,
+    Safetensors, TensorSource, TorchFile, read_statistics, to_half, write_model,
 };
 use inkrig_generate::configuration::TextEncoderKind;
+use inkrig_generate::weights::Tensor;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -21,6 +23,7 @@ pub(super) fn run(args: &ModelArgs, console: &Console) -> Result<(), CliError> {
     match &args.command {
         ModelCommand::Import(args) => import(args, console),
         ModelCommand::Inspect(args) => inspect(args, console),
+        ModelCommand::Pack(args) => pack(args, console),
     }
 }
 
@@ -100,6 +103,77 @@ fn inspect(args: &ModelInspectArgs, console: &Console) -> Result<(), CliError> {
     };
     console.say(format!("{}: {}", printable::path(&args.file), facts.table()))?;
     console.result(&facts)
+}
+
+/// What `--json` says of a model that was packed; the names are stable.
+#[derive(Serialize)]
+struct Packed {
+    output: String,
+    tensors: usize,
+    numbers: usize,
+    bytes: u64,
+    header: ModelHeader,
+}
+
+fn pack(args: &ModelPackArgs, console: &Console) -> Result<(), CliError> {
+    let read = |path: &Path| {
+        let wrong =
+            |cause: CheckpointError| CliError::Model { path: path.to_path_buf(), cause: Box::new(cause) };
+        let mut model = ModelFile::open(file(path)?).map_err(wrong)?;
+        let tensors = model.tensors().map_err(wrong)?;
+        Ok::<_, CliError>((model.header().clone(), tensors))
+    };
+    names::results_differ([&*args.file].into_iter().chain(args.without.as_deref()), [&*args.output])?;
+    let output = Output { force: args.force };
+    output.check(&args.output)?;
+    let stage = console.stage(format!("reading {}", printable::path(&args.file)));
+    let (header, tensors) = read(&args.file)?;
+    let base = args.without.as_deref().map(read).transpose()?.map(|(_, tensors)| tensors);
+    let same = |name: &str, tensor: &Tensor| {
+        let base = base.as_ref().and_then(|base| base.get(name));
+        base.is_some_and(|base| {
+            base.shape() == tensor.shape() && halved(base.data()) == halved(tensor.data())
+        })
+    };
+    let kept: Vec<(&str, &Tensor)> = tensors.iter().filter(|(name, tensor)| !same(name, tensor)).collect();
+    let listed: Vec<Listed> = kept
+        .iter()
+        .map(|(name, tensor)| Listed {
+            name: (*name).into(),
+            shape: tensor.shape().to_vec(),
+            kind: NumberKind::F16,
+        })
+        .collect();
+    let stem = args.file.file_stem().unwrap_or_default().to_string_lossy();
+    let about = ModelHeader {
+        name: args.name.clone().unwrap_or_else(|| stem.into_owned()),
+        data: args.data.clone(),
+        licence: args.licence.clone(),
+        text_weight: args.text_weight.map(|weight| weight as f32).or(header.text_weight),
+        ..header
+    };
+    let wrong = |cause: CheckpointError| CliError::Model { path: args.file.clone(), cause: Box::new(cause) };
+    let header = output.stream(&args.output, |file| {
+        let mut out = BufWriter::new(file);
+        let missing = || CheckpointError::Header { what: "a tensor went missing".into() };
+        let next = |at: usize| kept.get(at).map(|(_, tensor)| (*tensor).clone()).ok_or_else(missing);
+        let header = write_model(&mut out, &about, &listed, next).map_err(wrong)?;
+        out.flush().map_err(|cause| wrong(cause.into()))?;
+        Ok::<_, CliError>(header)
+    })?;
+    drop(stage);
+    let numbers = listed.iter().map(Listed::numbers).sum();
+    let bytes = std::fs::metadata(&args.output).map_or(0, |facts| facts.len());
+    let facts =
+        Packed { output: printable::json_path(&args.output), tensors: listed.len(), numbers, bytes, header };
+    let (tensors, size) = (counted(facts.tensors, "tensor"), bytes as f64 / 1e6);
+    console.say(format!("wrote {}: {tensors}, {size:.1} MB", printable::path(&args.output)))?;
+    console.result(&facts)
+}
+
+/// As they are once they were written in half precision.
+fn halved(numbers: &[f32]) -> Vec<u16> {
+    numbers.iter().map(|number| to_half(*number)).collect()
 }
 
 fn is_safetensors(path: &Path) -> bool {

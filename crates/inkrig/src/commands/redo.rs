@@ -8,6 +8,7 @@ use crate::inputs::{self, InputFile};
 use crate::output::Output;
 use crate::printable::{self, json_path};
 use crate::provenance::{self, Arguments, Run, Sidecar, Sink, sha256, sha256_of};
+use crate::shipped::Shipped;
 use crate::{load, names};
 use clap::{CommandFactory, FromArgMatches};
 use inkrig_transport::Isa;
@@ -148,6 +149,12 @@ impl Redo<'_> {
         for input in &self.sidecar.inputs {
             let path = Path::new(&input.path);
             let wrong = |what: String| CliError::Redo { path: path.to_path_buf(), what, help };
+            if let Some(own) = Shipped::named(path) {
+                if !self.args.anyway && sha256(own.bytes) != input.sha256 {
+                    return Err(wrong("the weights inside this program are not those".into()));
+                }
+                continue;
+            }
             let there =
                 path.metadata().map_err(|cause| wrong(format!("this input is not there ({cause})")))?;
             if self.args.anyway {

@@ -75,7 +75,7 @@ fn read(args: &SketchReadArgs, console: &Console) -> Result<(), CliError> {
     let crop =
         crop(&page, SIDE, MARGIN).ok_or_else(|| no_figure("shows no ink: draw dark lines on light paper"))?;
     let lines = graph::read(&crop.ink);
-    let reader = if args.lines { None } else { readers::sketch(args.weights.as_deref())? };
+    let reader = if args.lines { None } else { Some(readers::sketch(args.weights.as_deref())?) };
     let (reading, by) = match (reader, &lines) {
         (Some(reader), _) => (reader.read(&crop.ink, &mut Work::default()), "network"),
         (None, Some(lines)) => (of_lines(lines), "lines"),
@@ -222,8 +222,7 @@ fn read_word(args: &SketchWordArgs, console: &Console) -> Result<(), CliError> {
     let wrong = |what: &str| CliError::Picture { path: args.drawing.clone(), what: what.into() };
     let line = word::line(&ink(&args.drawing)?)
         .ok_or_else(|| wrong("shows no ink: write with dark lines on light paper"))?;
-    let reader = readers::word(args.weights.as_deref())?
-        .ok_or_else(|| wrong("cannot be read without weights: give --weights, or type the word"))?;
+    let reader = readers::word(args.weights.as_deref())?;
     let reading = reader.read(&line, &mut Work::default());
     let verbs: Vec<Verb> = reading
         .verbs

@@ -247,7 +247,42 @@ fn models_that_cannot_be_used_are_refused_with_what_is_needed() {
         refused(&folder, &[&WORD[..], &["--trajectory3d", "way.json"]].concat()).contains("followswordsonly")
     );
     assert!(inkrig(&folder, &WORD).status.success());
-    std::fs::remove_file(folder.join("k.bvh")).unwrap();
-    let said = refused(&folder, &["generate", "--word", "kick", "-o", "k.bvh"]);
-    assert!(said.contains("--modelFILE.safetensors,orsetINKRIG_MODEL"), "{said}");
+}
+
+#[test]
+fn the_model_inside_the_program_needs_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = |more: &[&str]| {
+        let jump = ["generate", "--word", "jump", "-o", "jump.bvh", "--force", "--sheet", "jump.png"];
+        let output = inkrig(folder.path(), &[&jump, more].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let record = std::fs::read(folder.path().join("jump.bvh.inkrig.json")).unwrap();
+        let record: serde_json::Value = serde_json::from_slice(&record).unwrap();
+        let licences = record["licences"].as_array().unwrap();
+        let said: Vec<&str> = licences.iter().map(|licence| licence.as_str().unwrap()).collect();
+        assert!(said.len() == 1 && said[0].contains("mocap.cs.cmu.edu"), "{said:?}");
+        let bytes = std::fs::read(folder.path().join("jump.bvh")).unwrap();
+        let again = inkrig(folder.path(), &["redo", "jump.bvh.inkrig.json", "-o", "again.bvh", "--force"]);
+        assert!(again.status.success(), "{}", text(&again.stderr));
+        assert!(std::fs::read(folder.path().join("again.bvh")).unwrap() == bytes, "made again to the byte");
+        read_bvh(&bytes, &ImportOptions::default()).unwrap().clip
+    };
+    let sheet = || std::fs::read(folder.path().join("jump.png")).unwrap();
+    let heights = |clip: &inkrig::motion::Clip| -> (f32, f32) {
+        let (places, joints) = (kinematics::positions(clip), clip.skeleton().joints());
+        let of = |name: &str| joints.iter().position(|joint| joint.name == name).unwrap();
+        let row = |joint: usize| (0..clip.frames()).map(move |frame| (frame, joint));
+        let lowest = row(of("left_foot"))
+            .chain(row(of("right_foot")))
+            .map(|(frame, joint)| places.frame(frame)[joint].y)
+            .fold(f32::MAX, f32::min);
+        let pelvis = row(of("pelvis")).map(|(frame, joint)| places.frame(frame)[joint].y);
+        (lowest, pelvis.clone().fold(f32::MIN, f32::max) - pelvis.fold(f32::MAX, f32::min))
+    };
+    for more in [&["--steps", "ddim"][..], &["--steps", "4"]] {
+        let (lowest, rise) = heights(&made(more));
+        println!("{more:?}: feet down to {lowest} m, the pelvis goes up and down by {rise} m");
+        assert!((-0.1..0.15).contains(&lowest) && (0.01..1.5).contains(&rise), "{more:?} {lowest} {rise}");
+        assert!(sheet().starts_with(b"\x89PNG"));
+    }
 }

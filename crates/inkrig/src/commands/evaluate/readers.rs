@@ -49,12 +49,7 @@ struct DrawingRow {
 }
 
 pub(super) fn sketch(args: &EvaluateSketchArgs, console: &Console) -> Result<(), CliError> {
-    let reader = if args.lines { None } else { readers::sketch(args.weights.as_deref())? };
-    if reader.is_none() && !args.lines {
-        let path = args.weights.clone().unwrap_or_else(|| "models/sketch-reader.safetensors".into());
-        let cause = std::io::Error::from(std::io::ErrorKind::NotFound);
-        return Err(CliError::Read { path, cause });
-    }
+    let reader = if args.lines { None } else { Some(readers::sketch(args.weights.as_deref())?) };
     let mut work = Work::default();
     let mut find = |ink: &Ink| find(reader.as_ref(), ink, &mut work);
     let (mut rows, mut drawings) = (Vec::new(), Vec::new());
@@ -153,10 +148,7 @@ fn read_marked(
 pub(super) fn word(args: &EvaluateWordArgs, console: &Console) -> Result<(), CliError> {
     let settings = args.config.as_deref().map(WordSettings::read).transpose()?.unwrap_or_default();
     let (learned, held_out) = split_fonts(read_fonts(&args.fonts)?, &settings.held_out)?;
-    let Some(reader) = readers::word(args.weights.as_deref())? else {
-        let path = "models/word-reader.safetensors".into();
-        return Err(CliError::Read { path, cause: std::io::Error::from(std::io::ErrorKind::NotFound) });
-    };
+    let reader = readers::word(args.weights.as_deref())?;
     let score = measure_words(&reader, &word_examples(&held_out, args.rounds as usize, SEED));
     let share = |share: f64| fixed(100.0 * share, 1);
     console.say(format!(

@@ -11,6 +11,8 @@ use crate::printable;
 use crate::provenance::licence::LicenceNote;
 use crate::provenance::{Facts, Run};
 use crate::read_back::ReadBack;
+use crate::sheet::{SheetOptions, contact_sheet};
+use crate::shipped::{CLEAN, QUICK, Shipped};
 use crate::{inputs, load, names, results};
 use conditions::{KeyPose, keypose, trajectory};
 use inkrig_formats::{ExportOptions, HumanBone, write_motion};
@@ -24,24 +26,28 @@ use inkrig_generate::{GenerateError, weights::Tensors};
 use inkrig_motion::humanml::{FRAME_RATE, Joints, Statistics, WIDTH, recover_positions, skeleton, to_clip};
 use inkrig_motion::{Clip, Features};
 use record::Record;
-use std::fs::File;
+use std::io::{Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 pub(super) fn run(args: &GenerateArgs, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
     let format = results::format_of(&args.out)?;
     let named = args.model.clone().or_else(|| std::env::var_os("INKRIG_MODEL").map(PathBuf::from));
-    let path = named.filter(|path| !path.as_os_str().is_empty()).ok_or(CliError::NoModel)?;
-    let results = || std::iter::once(args.out.as_path()).chain(args.report.as_deref());
-    let inputs = [Some(&path), args.keypose3d.as_ref(), args.trajectory3d.as_ref()].into_iter().flatten();
+    let named = named.filter(|path| !path.as_os_str().is_empty());
+    let more = || [&args.report, &args.sheet].into_iter().flatten().map(PathBuf::as_path);
+    let results = || std::iter::once(args.out.as_path()).chain(more());
+    let inputs = [named.as_ref(), args.keypose3d.as_ref(), args.trajectory3d.as_ref()].into_iter().flatten();
     names::results_differ(inputs.map(PathBuf::as_path), results())?;
     run.check_motion(&args.out, &args.sidecar)?;
-    args.report.as_deref().map_or(Ok(()), |path| run.check(path))?;
+    more().try_for_each(|path| run.check(path))?;
     if args.guidance.is_some() && args.trajectory3d.is_none() {
         return Err(CliError::NoEffect { flag: "--guidance", with: "no --trajectory3d" });
     }
-    let stage = console.stage(format!("reading {}", printable::path(&path)));
-    let mut model = Model::open(&path)?;
+    let stage = console.stage("reading the model");
+    let mut model = match &named {
+        Some(path) => Model::open(path)?,
+        None => Model::shipped(args.steps)?,
+    };
     let frames = model.frames(args)?;
     let wanted = Wanted {
         trajectory: args.trajectory3d.as_deref().map(|path| trajectory(path, frames)).transpose()?,
@@ -63,17 +69,24 @@ pub(super) fn run(args: &GenerateArgs, run: &Run<'_>, console: &Console) -> Resu
     for warning in &warnings {
         console.warn(warning);
     }
-    let record = Record::of(args, (&path, &model.header), (&wanted, &options), &made, (read_back, warnings));
-    let arguments = run.arguments.with_option("model", &path, args.model.is_none());
+    let record =
+        Record::of(args, (&model.path, &model.header), (&wanted, &options), &made, (read_back, warnings));
+    let arguments = match &named {
+        Some(path) => run.arguments.with_option("model", path, args.model.is_none()),
+        None => run.arguments.clone(),
+    };
     let facts = Facts { seed: Some(args.seed), ..Facts::of_files(&[]) };
     let run = Run { arguments: &arguments, sink: run.sink };
     run.write_motion(&args.out, &written.bytes, &args.sidecar, &facts)?;
     if let Some(path) = &args.report {
         run.write(path, &serde_json::to_vec_pretty(&record)?)?;
     }
+    if let Some(path) = &args.sheet {
+        run.write(path, &contact_sheet(&made.clip, &SheetOptions::default())?)?;
+    }
     console.say(record.text())?;
     run.say(&args.out, &args.sidecar, console)?;
-    if let Some(path) = &args.report {
+    for path in more() {
         console.say(format!("wrote {}", printable::path(path)))?;
     }
     console.result(&record)
@@ -92,10 +105,16 @@ struct Made {
     guided: Vec<Guided>,
 }
 
-/// A model file whose header is one that motions can be made with.
+trait Bytes: Read + Seek {}
+
+impl<T: Read + Seek> Bytes for T {}
+
+/// A model whose header is one that motions can be made with.
 struct Model {
     path: PathBuf,
-    file: ModelFile<File>,
+    base: ModelFile<Box<dyn Bytes>>,
+    /// Weights that take the place of those of `base`.
+    over: Option<ModelFile<Box<dyn Bytes>>>,
     header: ModelHeader,
     configuration: Configuration,
     features: Statistics,
@@ -107,21 +126,47 @@ struct Model {
 impl Model {
     /// Reads the header, and no weights yet.
     fn open(path: &Path) -> Result<Self, CliError> {
+        Self::of(path, Box::new(inputs::open_large(path)?), None)
+    }
+
+    /// The one that comes inside the program; for few steps the one that was distilled for them.
+    fn shipped(steps: Option<StepsArg>) -> Result<Self, CliError> {
+        let quick = steps.is_some_and(|steps| steps != StepsArg::Ddim);
+        let bytes = |own: Shipped| -> Result<Box<dyn Bytes>, CliError> {
+            inputs::note(&own.path(), own.bytes)?;
+            Ok(Box::new(Cursor::new(own.bytes)))
+        };
+        let over = if quick { Some(bytes(QUICK)?) } else { None };
+        Self::of(&if quick { QUICK } else { CLEAN }.path(), bytes(CLEAN)?, over)
+    }
+
+    /// With `over`, the header is that of `over`.
+    fn of(path: &Path, base: Box<dyn Bytes>, over: Option<Box<dyn Bytes>>) -> Result<Self, CliError> {
         let wrong = |cause: CheckpointError| CliError::Model { path: path.into(), cause: Box::new(cause) };
-        let file = ModelFile::open(inputs::open_large(path)?).map_err(wrong)?;
-        let header = file.header().clone();
+        let base = ModelFile::open(base).map_err(wrong)?;
+        let over = over.map(ModelFile::open).transpose().map_err(wrong)?;
+        let header = over.as_ref().unwrap_or(&base).header().clone();
         if !header.licence.is_empty() {
             let note = LicenceNote { text: header.licence.clone(), from: "its header".into() };
             inputs::add_licence(path, &note);
+            if over.is_some() {
+                inputs::add_licence(&CLEAN.path(), &note);
+            }
         }
         let (features, places) = header.statistics().map_err(wrong)?;
         let body = header.skeleton().map_err(wrong)?;
-        let configuration = match header.semantics {
-            Semantics::Paper => Configuration::paper(),
-            Semantics::Official => Configuration::official(),
-        };
-        let configuration = configuration.map_err(|cause| about(path, cause))?;
-        Ok(Self { path: path.into(), file, header, configuration, features, places, body, networks: None })
+        let configuration = configuration(&header, path)?;
+        Ok(Self {
+            path: path.into(),
+            base,
+            over,
+            header,
+            configuration,
+            features,
+            places,
+            body,
+            networks: None,
+        })
     }
 
     /// The length that was asked for, if the networks can make it.
@@ -134,12 +179,9 @@ impl Model {
     }
 
     fn options(&self, args: &GenerateArgs) -> Result<SamplingOptions, CliError> {
-        let distilled = self.header.is_distilled();
-        let steps = steps(args.steps, distilled);
-        let usual = self.configuration.sampling_options();
+        let usual = sampling(&self.header, args.steps, &self.path)?;
         Ok(SamplingOptions {
-            steps: steps.ok_or_else(|| CliError::StepsOfModel { path: self.path.clone(), distilled })?,
-            semantics: self.header.semantics,
+            text_weight: args.text_weight.map_or(usual.text_weight, |weight| weight as f32),
             guidance: usual.guidance.filter(|_| args.guidance != Some(GuidanceArg::Off)),
             ..usual
         })
@@ -148,7 +190,10 @@ impl Model {
     /// Reads the weights, and whatever makes vectors of words.
     fn read(&mut self, args: &GenerateArgs) -> Result<Box<dyn TextEncoder>, CliError> {
         let wrong = |cause| CliError::Model { path: self.path.clone(), cause: Box::new(cause) };
-        let weights: Tensors = self.file.tensors().map_err(wrong)?;
+        let mut weights: Tensors = self.base.tensors().map_err(wrong)?;
+        if let Some(over) = &mut self.over {
+            weights.extend(over.tensors().map_err(wrong)?);
+        }
         let encoder = text::encoder(&self.header, &weights, args.text_model.as_deref(), &self.path)?;
         let networks =
             Networks::new(&self.header.sizes, &weights).map_err(|cause| about(&self.path, cause))?;
@@ -200,8 +245,33 @@ impl Model {
     }
 }
 
+/// How a model's motions are sampled, if nothing else is said.
+pub(super) fn sampling(
+    header: &ModelHeader,
+    steps: Option<StepsArg>,
+    path: &Path,
+) -> Result<SamplingOptions, CliError> {
+    let distilled = header.is_distilled();
+    let steps = steps_of(steps, distilled);
+    let usual = configuration(header, path)?.sampling_options();
+    Ok(SamplingOptions {
+        steps: steps.ok_or_else(|| CliError::StepsOfModel { path: path.into(), distilled })?,
+        semantics: header.semantics,
+        text_weight: header.text_weight.unwrap_or(usual.text_weight),
+        ..usual
+    })
+}
+
+fn configuration(header: &ModelHeader, path: &Path) -> Result<Configuration, CliError> {
+    let configuration = match header.semantics {
+        Semantics::Paper => Configuration::paper(),
+        Semantics::Official => Configuration::official(),
+    };
+    configuration.map_err(|cause| about(path, cause))
+}
+
 /// The steps that were asked for, or the usual ones; none where a model of this kind cannot take them.
-pub(super) fn steps(asked: Option<StepsArg>, distilled: bool) -> Option<Steps> {
+fn steps_of(asked: Option<StepsArg>, distilled: bool) -> Option<Steps> {
     let few = |steps| Some(Steps::Lcm(steps)).filter(|_| distilled);
     match asked {
         Some(StepsArg::One) => few(1),
