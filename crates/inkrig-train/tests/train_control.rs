@@ -36,7 +36,7 @@ fn course(steps: u64) -> Course {
 fn control() -> ControlSettings {
     let frames = 20;
     ControlSettings {
-        course: course(90),
+        course: Course { rate: 2e-3, ..course(1800) },
         frames,
         stride: 5,
         shortest: 10,
@@ -108,6 +108,8 @@ fn stages_after_the_denoiser_learn_and_end_the_same_when_killed() {
     let go_on = &mut |_, _, _: Option<&_>| ControlFlow::Continue(());
     let vae = VaeSettings {
         sizes: "tiny".into(),
+        // So that what is decoded is a motion at once.
+        cosines: Some(8),
         steps: 20,
         batch: 4,
         rate: 5e-3,
@@ -124,6 +126,7 @@ fn stages_after_the_denoiser_learn_and_end_the_same_when_killed() {
         stride: 5,
         shortest: 10,
         longest: 40,
+        velocity: false,
         ..DenoiserSettings::default()
     };
     let vae = of_vae.join("last.safetensors");

@@ -8,7 +8,9 @@ use inkrig_generate::checkpoint::ModelFile;
 use inkrig_generate::guidance::View;
 use inkrig_generate::sampling::{Conditions, Networks, Request, Sampler, SamplingOptions, Semantics, Steps};
 use inkrig_generate::text::{TextEncoder as _, VerbTable};
-use inkrig_train::training::{Course, DenoiserSettings, Place, VaeSettings, train_denoiser, train_vae};
+use inkrig_train::training::{
+    Course, DenoiserSettings, Optimiser, Place, VaeSettings, train_denoiser, train_vae,
+};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -19,6 +21,7 @@ fn settings() -> DenoiserSettings {
         rate: 5e-3,
         warm_up: 10,
         average: 0.9,
+        optimiser: Optimiser::AdamW,
         measure_every: 80,
         save_every: 7,
         ..DenoiserSettings::default().course
@@ -30,6 +33,7 @@ fn settings() -> DenoiserSettings {
         shortest: 10,
         longest: 40,
         mixed: 0.3,
+        velocity: false,
         ..DenoiserSettings::default()
     }
 }
@@ -62,6 +66,14 @@ fn a_run_learns_ends_the_same_when_killed_and_writes_models() {
     );
     // Noise has variance 1: less than that was learned.
     assert!(held_out[2] < held_out[0] && held_out[2] < 0.8, "{held_out:?}");
+
+    // The same of velocities.
+    let settings_of_velocity = DenoiserSettings { velocity: true, ..settings() };
+    let other = desk.path().join("velocity");
+    let report = train_denoiser(&place(&corpus, &other, 2), &vae, &settings_of_velocity, go_on).unwrap();
+    let losses: Vec<f64> = report.rows.iter().map(|row| row.loss).collect();
+    println!("velocities: losses {losses:?}");
+    assert!(losses[2] < 0.95 * losses[0], "{losses:?}");
 
     // Killed twice, once between two checkpoints.
     let parts = desk.path().join("parts");
