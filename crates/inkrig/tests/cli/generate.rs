@@ -286,3 +286,24 @@ fn the_model_inside_the_program_needs_nothing_else() {
         assert!(sheet().starts_with(b"\x89PNG"));
     }
 }
+
+#[test]
+fn a_packed_model_is_half_as_large_and_makes_motions() {
+    let (_keep, folder) = studio();
+    let said = |arguments: &[&str]| {
+        let output = inkrig(&folder, arguments);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let pack = ["model", "pack", "m.safetensors", "--name", "mine", "--licence", "CC0", "-o"];
+    said(&[&pack[..], &["half.safetensors"]].concat());
+    let size = |name: &str| std::fs::metadata(folder.join(name)).unwrap().len() as f64;
+    assert!(size("half.safetensors") < 0.7 * size("m.safetensors"));
+    let made = said(&["generate", "--model", "half.safetensors", "--word", "kick", "-o", "k.bvh"]);
+    assert!(made.contains("model mine") && made.contains("licence of the model: CC0"), "{made}");
+    // What the other has too is left out; all of it, here.
+    let rest = said(&[&pack[..], &["rest.safetensors", "--without", "m.safetensors"]].concat());
+    assert!(rest.contains("wrote rest.safetensors: 0 tensors"), "{rest}");
+    let again = inkrig(&folder, &[&pack[..], &["m.safetensors", "--force"]].concat());
+    assert!(!again.status.success(), "a model is not packed over itself");
+}
