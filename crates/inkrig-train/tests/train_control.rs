@@ -14,8 +14,8 @@ use inkrig_motion::glam::Vec3;
 use inkrig_motion::humanml::Camera;
 use inkrig_train::TrainError;
 use inkrig_train::training::{
-    AlignSettings, ControlSettings, Course, DenoiserSettings, DistillSettings, OnStep, Report, VaeSettings,
-    curves, train_align, train_control, train_denoiser, train_distill, train_vae,
+    AlignSettings, ControlSettings, Course, DenoiserSettings, DistillSettings, EstimateSettings, OnStep,
+    Report, VaeSettings, curves, train_align, train_control, train_denoiser, train_distill, train_vae,
 };
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -33,10 +33,12 @@ fn course(steps: u64) -> Course {
     }
 }
 
-fn control() -> ControlSettings {
+/// With a width, control by an estimate.
+fn control(width: usize) -> ControlSettings {
     let frames = 20;
     ControlSettings {
-        course: Course { rate: 2e-3, ..course(1800) },
+        course: Course { rate: 2e-3, ..course(if width > 0 { 300 } else { 1800 }) },
+        estimate: EstimateSettings { width, ..EstimateSettings::default() },
         frames,
         stride: 5,
         shortest: 10,
@@ -133,21 +135,28 @@ fn stages_after_the_denoiser_learn_and_end_the_same_when_killed() {
     train_denoiser(&place(&corpus, &of_denoiser, 1), &vae, &denoiser, go_on).unwrap();
     let model = of_denoiser.join("last.safetensors");
 
+    let error = train_align(&place(&corpus, &of_vae, 1), &model, &AlignSettings::default(), go_on);
+    assert!(error.unwrap_err().to_string().contains("no control"));
+    stages(desk.path(), &corpus, &model, 0);
+    stages(desk.path(), &corpus, &model, 24);
+}
+
+/// Control, drawings and few steps, one after the other.
+fn stages(desk: &Path, corpus: &Path, model: &Path, width: usize) {
+    let named = |stage: &str| format!("{stage}-{width}");
     let run = |folder: &Path, progress: &mut OnStep<'_>| {
-        train_control(&place(&corpus, folder, 2), &model, &control(), progress)
+        train_control(&place(corpus, folder, 2), model, &control(width), progress)
     };
-    let (report, controlled) = whole_and_killed(desk.path(), "control", &run);
+    let (report, controlled) = whole_and_killed(desk, &named("control"), &run);
     let first_last = |report: &Report, name: &str| {
         let values: Vec<f64> = report.rows.iter().map(|row| row.value(name).unwrap()).collect();
         (values[0], values[values.len() - 1])
     };
-    for name in ["noise", "held_out_error"] {
+    for name in [if width > 0 { "estimate" } else { "noise" }, "held_out_error"] {
         let (first, last) = first_last(&report, name);
         assert!(last < first, "{name} {first} {last}");
     }
     sample(&controlled, View::Space, Steps::Ddim(5));
-    let error = train_align(&place(&corpus, &of_vae, 1), &model, &AlignSettings::default(), go_on);
-    assert!(error.unwrap_err().to_string().contains("no control"));
 
     let run = |folder: &Path, progress: &mut OnStep<'_>| {
         let settings = AlignSettings {
@@ -158,10 +167,11 @@ fn stages_after_the_denoiser_learn_and_end_the_same_when_killed() {
             measured: 6,
             ..AlignSettings::default()
         };
-        train_align(&place(&corpus, folder, 2), &controlled, &settings, progress)
+        train_align(&place(corpus, folder, 2), &controlled, &settings, progress)
     };
-    let (report, aligned) = whole_and_killed(desk.path(), "align", &run);
-    for name in ["matching", "contrast"] {
+    let (report, aligned) = whole_and_killed(desk, &named("align"), &run);
+    let learned: &[&str] = if width > 0 { &["estimate"] } else { &["matching", "contrast"] };
+    for name in learned {
         let (first, last) = first_last(&report, name);
         assert!(last < first, "{name} {first} {last}");
     }
@@ -175,15 +185,17 @@ fn stages_after_the_denoiser_learn_and_end_the_same_when_killed() {
             guidance_width: 16,
             ..DistillSettings::default()
         };
-        train_distill(&place(&corpus, folder, 2), &aligned, &settings, progress)
+        train_distill(&place(corpus, folder, 2), &aligned, &settings, progress)
     };
-    let (report, fast) = whole_and_killed(desk.path(), "distill", &run);
+    let (report, fast) = whole_and_killed(desk, &named("distill"), &run);
     let (first, last) = first_last(&report, "held_out_one_step");
     assert!(last < first, "{first} {last}");
     // Control and drawings are in it, and take its weight of the text without effect.
     let weights = ModelFile::open(std::fs::File::open(&fast).unwrap()).unwrap().tensors().unwrap();
     assert_eq!(Parts::of(&weights), Parts::ALL);
     sample(&fast, View::Plane(Camera::default()), Steps::Lcm(2));
-    let error = train_distill(&place(&corpus, &of_vae, 1), &fast, &DistillSettings::default(), go_on);
+    let go_on = &mut |_, _, _: Option<&_>| ControlFlow::Continue(());
+    let folder = desk.join("again");
+    let error = train_distill(&place(corpus, &folder, 1), &fast, &DistillSettings::default(), go_on);
     assert!(error.unwrap_err().to_string().contains("distilled already"));
 }

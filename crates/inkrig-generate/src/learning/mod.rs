@@ -8,7 +8,9 @@ mod control;
 mod decoded;
 mod denoiser;
 mod distill;
+mod estimate;
 mod orthogonal;
+mod placed;
 #[cfg(test)]
 mod testing;
 mod vae;
@@ -18,5 +20,7 @@ pub use control::{ControlBatch, ControlLearner, ControlLosses, ControlObjective}
 pub use decoded::Wanted;
 pub use denoiser::{DenoiserLearner, NoisyVerbs};
 pub use distill::{DistillBatch, DistillLearner};
+pub use estimate::{EstimateBatch, EstimateLearner, EstimateLosses, EstimateObjective};
 pub use orthogonal::orthogonalise;
+pub use placed::{Asked, Distances};
 pub use vae::{VaeLearner, VaeLosses, VaeObjective};

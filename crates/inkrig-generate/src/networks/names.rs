@@ -2,6 +2,8 @@
 //! dictionary.
 
 use super::Sizes;
+use super::estimate::{Correction, TOLD, WAVES};
+use super::trunk::{BLOCKS, WIDENING};
 use crate::weights::Tensors;
 use inkrig_motion::humanml::{JOINTS, WIDTH};
 
@@ -26,9 +28,9 @@ pub struct Parts {
     pub vae: bool,
     /// The denoiser.
     pub denoiser: bool,
-    /// ControlNet, adapter, and the 3D encoders.
+    /// ControlNet, adapter, and the 3D encoders; or the estimator of 3D conditions and the correction.
     pub control: bool,
-    /// The encoders of 2D conditions.
+    /// The encoders of 2D conditions; or their estimator.
     pub control_2d: bool,
 }
 
@@ -44,8 +46,9 @@ impl Parts {
         Self {
             vae: has("vae.final_layer.weight"),
             denoiser: has("denoiser.denoiser.emb_proj.1.weight"),
-            control: has("controlnet.controlnet_cond_embedding.0.weight"),
-            control_2d: has("traj_encoder_2d.skel_embedding.weight"),
+            control: has("controlnet.controlnet_cond_embedding.0.weight")
+                || has("estimate.space.input.weight"),
+            control_2d: has("traj_encoder_2d.skel_embedding.weight") || has("estimate.plane.input.weight"),
         }
     }
 }
@@ -75,6 +78,22 @@ pub fn tensors(sizes: &Sizes, parts: Parts) -> Vec<TensorSpec> {
         if sizes.velocity {
             list.linear("denoiser.denoiser.velocity", width, width);
         }
+    }
+    if sizes.estimate > 0 {
+        let latent = sizes.latent_tokens * width;
+        for (name, _) in [("estimate.space", parts.control), ("estimate.plane", parts.control_2d)]
+            .iter()
+            .filter(|(_, has)| *has)
+        {
+            list.trunk(name, TOLD);
+            list.linear(&format!("{name}.latent"), latent, sizes.estimate);
+        }
+        if parts.control {
+            list.trunk("estimate.correction", Correction::inputs(sizes));
+            list.linear("estimate.correction.latent", latent, sizes.estimate);
+            list.linear("estimate.correction.gate", latent, sizes.estimate + WAVES);
+        }
+        return list.specs;
     }
     if parts.control {
         list.branch("denoiser", sizes.control_blocks);
@@ -181,6 +200,23 @@ impl List<'_> {
                 self.block(&format!("{name}.encoder.input_blocks.{block}"), false);
             }
         }
+    }
+
+    /// Feed-forward blocks on whole vectors.
+    fn trunk(&mut self, name: &str, inputs: usize) {
+        let width = self.sizes.estimate;
+        let norm = |list: &mut Self, name: &str| {
+            list.add(&format!("{name}.weight"), &[width]);
+            list.add(&format!("{name}.bias"), &[width]);
+        };
+        self.linear(&format!("{name}.input"), width, inputs);
+        for block in 0..BLOCKS {
+            let name = format!("{name}.blocks.{block}");
+            norm(self, &format!("{name}.norm"));
+            self.linear(&format!("{name}.widen"), WIDENING * width, width);
+            self.linear(&format!("{name}.narrow"), width, WIDENING * width);
+        }
+        norm(self, &format!("{name}.norm"));
     }
 
     fn outputs(&mut self, name: &str) {

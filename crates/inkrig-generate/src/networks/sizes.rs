@@ -38,6 +38,9 @@ pub struct Sizes {
     /// else they say the noise, as published.
     #[serde(default, skip_serializing_if = "is_false")]
     pub velocity: bool,
+    /// Numbers of a row in the networks that make control by an estimate; 0 for ControlNet and adapter, as published.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub estimate: usize,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
@@ -68,6 +71,7 @@ impl Sizes {
             guidance_width: 256,
             cosines: 0,
             velocity: false,
+            estimate: 0,
         }
     }
 
@@ -85,6 +89,7 @@ impl Sizes {
             positions: 256,
             cosines: 16,
             velocity: true,
+            estimate: 384,
             ..Self::full()
         }
     }
@@ -122,7 +127,7 @@ impl Sizes {
         let control = self.control_blocks == self.denoiser_blocks
             || (1..=self.denoiser_blocks / 2).contains(&self.control_blocks);
         let even = |width: usize| width.is_multiple_of(2) && width <= 4096;
-        let rules: [(&'static str, usize, bool, &'static str); 13] = [
+        let rules: [(&'static str, usize, bool, &'static str); 14] = [
             ("heads", self.heads, (1..=64).contains(&self.heads), "1 to 64"),
             (
                 "width",
@@ -151,6 +156,7 @@ impl Sizes {
             ),
             ("guidance_width", self.guidance_width, even(self.guidance_width), "even, at most 4096"),
             ("cosines", self.cosines, self.cosines <= 64, "at most 64"),
+            ("estimate", self.estimate, self.estimate <= 4096, "at most 4096"),
         ];
         for (setting, value, right, needed) in rules {
             if !right {

@@ -96,6 +96,44 @@ impl Vae {
         &self.sizes
     }
 
+    /// Decodes by the linear path alone, where there is one: nearly the same for a hundredth of the work.
+    ///
+    /// # Errors
+    /// As [`Self::decode`].
+    pub(crate) fn decode_quickly(
+        &self,
+        latents: &[f32],
+        lengths: &[usize],
+        decoding: &mut Decoding,
+    ) -> Result<(), GenerateError> {
+        let Some(path) = &self.path else { return self.decode(latents, lengths, decoding) };
+        let expected = lengths.len() * self.latent_width();
+        if latents.len() != expected {
+            return Err(GenerateError::Length { what: "latents of clips", expected, got: latents.len() });
+        }
+        decoding.features.clear();
+        decoding.features.resize(lengths.iter().sum::<usize>() * WIDTH, 0.0);
+        decoding.lengths.clear();
+        decoding.lengths.extend_from_slice(lengths);
+        path.decode(latents, lengths, &mut decoding.features);
+        Ok(())
+    }
+
+    /// From the gradient of what was decoded so to that of the latents.
+    ///
+    /// # Errors
+    /// As [`Self::gradient`].
+    pub(crate) fn gradient_quickly(
+        &self,
+        grad_features: &[f32],
+        decoding: &mut Decoding,
+    ) -> Result<Vec<f32>, GenerateError> {
+        let Some(path) = &self.path else { return Ok(self.gradient(grad_features, decoding)?.to_vec()) };
+        let mut latents = vec![0.0; decoding.lengths.len() * self.latent_width()];
+        path.backward(grad_features, &decoding.lengths, &mut latents);
+        Ok(latents)
+    }
+
     /// Numbers of a clip's latent.
     pub fn latent_width(&self) -> usize {
         self.sizes.latent_tokens * self.sizes.width

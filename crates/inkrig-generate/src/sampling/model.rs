@@ -1,7 +1,9 @@
 //! All networks of a model.
 
 use crate::GenerateError;
-use crate::networks::{Adapter, ConditionEncoder, ControlNet, Denoiser, Domain, Parts, Sizes, Vae};
+use crate::networks::{
+    Adapter, ConditionEncoder, ControlNet, Correction, Denoiser, Domain, Estimator, Parts, Sizes, Vae,
+};
 use crate::weights::Tensors;
 
 /// The networks that its weights have.
@@ -15,6 +17,19 @@ pub struct Networks {
     pub control: Option<Control>,
     /// Encoders of conditions on the picture.
     pub plane: Option<Encoders>,
+    /// What makes it follow conditions where the sizes say that an estimate shall.
+    pub estimate: Option<EstimateControl>,
+}
+
+/// Control by an estimate.
+#[derive(Debug, Clone)]
+pub struct EstimateControl {
+    /// Of conditions in space.
+    pub space: Estimator,
+    /// Of conditions on the picture.
+    pub plane: Option<Estimator>,
+    /// For every prediction of the denoiser.
+    pub correction: Correction,
 }
 
 /// Networks that make the denoiser follow conditions.
@@ -53,7 +68,8 @@ impl Networks {
     /// When the sizes cannot be, or a weight is missing or of another shape.
     pub fn new(sizes: &Sizes, weights: &Tensors) -> Result<Self, GenerateError> {
         let parts = Parts::of(weights);
-        let control = if parts.control {
+        let by_estimate = sizes.estimate > 0;
+        let control = if parts.control && !by_estimate {
             Some(Control {
                 trajectory: ControlNet::new(sizes, weights)?,
                 keypose: Adapter::new(sizes, weights)?,
@@ -66,8 +82,45 @@ impl Networks {
             vae: Vae::new(sizes, weights)?,
             denoiser: Denoiser::new(sizes, weights)?,
             control,
-            plane: if parts.control_2d { Some(Encoders::new(sizes, weights, Domain::Plane)?) } else { None },
+            plane: if parts.control_2d && !by_estimate {
+                Some(Encoders::new(sizes, weights, Domain::Plane)?)
+            } else {
+                None
+            },
+            estimate: if parts.control && by_estimate {
+                let estimator = |domain| Estimator::new(sizes, weights, domain);
+                Some(EstimateControl {
+                    space: estimator(Domain::Space)?,
+                    plane: if parts.control_2d { Some(estimator(Domain::Plane)?) } else { None },
+                    correction: Correction::new(sizes, weights)?,
+                })
+            } else {
+                None
+            },
         })
+    }
+
+    /// Whether clips can be asked to follow conditions of a domain.
+    pub fn follows(&self, domain: Domain) -> bool {
+        match (&self.estimate, domain) {
+            (Some(_), Domain::Space) => true,
+            (Some(estimate), Domain::Plane) => estimate.plane.is_some(),
+            (None, Domain::Space) => self.control.is_some(),
+            (None, Domain::Plane) => self.control.is_some() && self.plane.is_some(),
+        }
+    }
+
+    /// The estimator of a domain, and what corrects by it, where control is of that kind.
+    ///
+    /// # Errors
+    /// [`GenerateError::MissingTensor`] when the model has none of this domain.
+    pub(crate) fn estimator(&self, domain: Domain) -> Result<Option<&Estimator>, GenerateError> {
+        let Some(estimate) = &self.estimate else { return Ok(None) };
+        let missing = || GenerateError::MissingTensor { name: "estimate.plane.*".into() };
+        match domain {
+            Domain::Space => Ok(Some(&estimate.space)),
+            Domain::Plane => estimate.plane.as_ref().ok_or_else(missing).map(Some),
+        }
     }
 
     /// Control and the encoders of a domain.

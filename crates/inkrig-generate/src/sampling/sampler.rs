@@ -4,7 +4,7 @@ use super::model::Networks;
 use super::{Conditions, Semantics};
 use crate::GenerateError;
 use crate::guidance::{GuidanceOptions, Guide, Guided, GuidedClip};
-use crate::networks::{Corrections, Noisy, Work, guidance_waves};
+use crate::networks::{Corrections, Estimate, Noisy, Work, guidance_waves, told};
 use crate::schedule::{Ddim, Lcm, Noise, NoiseSchedule, mix};
 use inkrig_motion::humanml::Statistics;
 
@@ -85,6 +85,8 @@ struct Prepared {
     /// What the key poses add to the texts.
     keyposes: Option<Vec<f32>>,
     waves: Option<Vec<f32>>,
+    /// What the conditions alone say, where control is by an estimate.
+    estimate: Option<Estimate>,
     /// Whether a second prediction, without text, is made.
     twice: bool,
 }
@@ -181,9 +183,16 @@ impl Sampler<'_> {
             let (what, expected) = ("vector of no text", sizes.text_width);
             return Err(GenerateError::Length { what, expected, got: self.no_text.len() });
         }
-        let mut prepared = Prepared { trajectories: None, keyposes: None, waves: None, twice };
+        let mut prepared =
+            Prepared { trajectories: None, keyposes: None, waves: None, estimate: None, twice };
         if distilled {
             prepared.waves = Some(guidance_waves(options.text_weight, sizes.guidance_width));
+        }
+        let asked = !first.trajectory.is_empty() || first.keypose.is_some();
+        if let Some(estimator) = if asked { self.networks.estimator(first.domain)? } else { None } {
+            let told = conditions.iter().flat_map(|c| told(c.frames, &c.trajectory, c.keypose.as_ref()));
+            prepared.estimate = Some(estimator.estimate(told.collect()));
+            return Ok(prepared);
         }
         if !first.trajectory.is_empty() {
             let (_, encoders) = self.networks.control(first.domain)?;
@@ -276,6 +285,9 @@ impl Sampler<'_> {
             for (with, without) in noise.iter_mut().zip(without) {
                 *with = without + options.text_weight * (*with - without);
             }
+        }
+        if let (Some(estimate), Some(control)) = (&prepared.estimate, &self.networks.estimate) {
+            control.correction.correct(&mut noise, latents, timestep, estimate)?;
         }
         Ok(noise)
     }

@@ -45,6 +45,16 @@ fn range(spec: &TensorSpec) -> (f64, f64) {
     }
 }
 
+/// Parts of names of what is zero at first.
+const ZERO: [&str; 6] = [
+    "controlnet_down_mid_blocks",
+    "controlnet_cond_embedding.2",
+    "estimate.correction.latent",
+    "estimate.correction.gate",
+    "in_proj_bias",
+    "out_proj.bias",
+];
+
 /// Weights as training begins with them: matrices uniform by Glorot's rule, biases 0, norms 1, positions and tokens as in
 /// the published code, and zero where a control shall begin without effect.
 pub fn random(sizes: &Sizes, parts: Parts, seed: u64) -> Tensors {
@@ -52,27 +62,23 @@ pub fn random(sizes: &Sizes, parts: Parts, seed: u64) -> Tensors {
         // Every tensor has a stream of its own, so that one network does not depend on which others there are.
         let mut noise = Noise::new(mix(seed).wrapping_add(mix(number as u64 + 1)));
         let name = spec.name.as_str();
-        let tensor =
-            if ["controlnet_down_mid_blocks", "controlnet_cond_embedding.2", "in_proj_bias", "out_proj.bias"]
-                .iter()
-                .any(|part| name.contains(part))
-            {
-                fill(&spec.shape, |_| 0.0)
-            } else if name.ends_with(".pe") {
-                fill(&spec.shape, |_| noise.uniform() as f32)
-            } else if name.contains("global_motion_token") {
-                fill(&spec.shape, |_| noise.normal())
-            } else if let [outputs, inputs] = spec.shape[..] {
-                // A packed projection is three matrices.
-                let outputs = if name.ends_with("in_proj_weight") { outputs / 3 } else { outputs };
-                let most = (6.0 / (outputs + inputs) as f64).sqrt();
-                fill(&spec.shape, |_| (most * (2.0 * noise.uniform() - 1.0)) as f32)
-            } else if name.ends_with("weight") {
-                let norm = if name.contains("norm") { 1.0 } else { 0.25 };
-                fill(&spec.shape, |_| norm)
-            } else {
-                fill(&spec.shape, |_| 0.0)
-            };
+        let tensor = if ZERO.iter().any(|part| name.contains(part)) {
+            fill(&spec.shape, |_| 0.0)
+        } else if name.ends_with(".pe") {
+            fill(&spec.shape, |_| noise.uniform() as f32)
+        } else if name.contains("global_motion_token") {
+            fill(&spec.shape, |_| noise.normal())
+        } else if let [outputs, inputs] = spec.shape[..] {
+            // A packed projection is three matrices.
+            let outputs = if name.ends_with("in_proj_weight") { outputs / 3 } else { outputs };
+            let most = (6.0 / (outputs + inputs) as f64).sqrt();
+            fill(&spec.shape, |_| (most * (2.0 * noise.uniform() - 1.0)) as f32)
+        } else if name.ends_with("weight") {
+            let norm = if name.contains("norm") { 1.0 } else { 0.25 };
+            fill(&spec.shape, |_| norm)
+        } else {
+            fill(&spec.shape, |_| 0.0)
+        };
         (spec.name, tensor)
     };
     tensors(sizes, parts).into_iter().enumerate().map(start).collect()

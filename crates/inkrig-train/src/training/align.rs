@@ -5,6 +5,7 @@ use super::control::{Base, ControlSettings, lost, own_names};
 use super::control_measure::{HeldOut, measure};
 use super::course::{Course, Settings, broken, is_share, read_settings};
 use super::denoiser::{timesteps, works};
+use super::estimate::{EstimateSettings, EstimateStage, Told};
 use super::latents::{Cut, Latents, Window, windows};
 use super::motions::{self, Motion};
 use super::picture::Drawing;
@@ -59,6 +60,8 @@ pub struct AlignSettings {
     pub signal_power: f64,
     /// Held-out windows that are sampled at every measurement.
     pub measured: usize,
+    /// Where control is by an estimate: weights and dropout are its own then.
+    pub estimate: EstimateSettings,
 }
 
 impl Default for AlignSettings {
@@ -86,6 +89,7 @@ impl Default for AlignSettings {
             keypose_weight: 1.0,
             signal_power: 0.5,
             measured: 48,
+            estimate: EstimateSettings::default(),
         }
     }
 }
@@ -93,6 +97,7 @@ impl Default for AlignSettings {
 impl Settings for AlignSettings {
     fn check(&self) -> Result<(), String> {
         self.course.check()?;
+        self.estimate.check()?;
         let weight = |value: f64| value >= 0.0 && value.is_finite();
         broken([
             ("frames", self.frames >= 2, "2 or more".to_string()),
@@ -157,9 +162,17 @@ pub fn train_align(
     let motions = read(Split::Train, true)?;
     let windows = windows(&motions, cut, settings.course.seed);
     let view = View::Plane(Camera::default());
+    let latents = Latents::encode(&base.vae, &motions, &windows, place.replicas.max(1))?;
+    let held_out = HeldOut::new(&read(Split::Val, false)?, frames, settings.measured, &base, view)?;
+    if base.header.sizes.estimate > 0 {
+        let (told, usual, base) = (Told::Plane(settings), ControlSettings::default(), &base);
+        let schedule = NoiseSchedule::default();
+        let stage = EstimateStage { told, base, motions, windows, latents, held_out, usual, schedule };
+        return stage.run(place, progress);
+    }
     let stage = AlignStage {
-        latents: Latents::encode(&base.vae, &motions, &windows, place.replicas.max(1))?,
-        held_out: HeldOut::new(&read(Split::Val, false)?, frames, settings.measured, &base, view)?,
+        latents,
+        held_out,
         windows,
         motions,
         schedule: NoiseSchedule::default(),

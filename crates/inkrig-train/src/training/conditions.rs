@@ -10,7 +10,7 @@ use inkrig_generate::sampling::{Conditions, Request, Semantics};
 use inkrig_generate::schedule::Noise;
 use inkrig_motion::Features;
 use inkrig_motion::glam::Vec3;
-use inkrig_motion::humanml::{Joints, Statistics, WIDTH, augment, recover_positions};
+use inkrig_motion::humanml::{JOINTS, Joints, Statistics, WIDTH, augment, recover_positions};
 
 /// The fewest frames of a trajectory at the beginning or the end.
 const FEWEST: usize = 4;
@@ -19,6 +19,8 @@ const FEWEST: usize = 4;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Mixture<'a> {
     pub joints: &'a [usize],
+    /// Any joint instead.
+    pub any_joints: f64,
     pub trajectory_dropped: f64,
     pub keypose_dropped: f64,
     pub contiguous: f64,
@@ -100,6 +102,9 @@ impl Drawer<'_> {
 fn asked(frames: usize, mixture: &Mixture<'_>, noise: &mut Noise) -> Vec<(usize, usize)> {
     let mut joints = mixture.joints.to_vec();
     let count = 1 + below(joints.len(), noise);
+    if mixture.any_joints > 0.0 && noise.uniform() < mixture.any_joints {
+        joints = (0..JOINTS).collect();
+    }
     let kind = noise.uniform();
     let mut asked = Vec::new();
     for place in 0..count {
@@ -151,7 +156,14 @@ mod tests {
 
     fn mixture(contiguous: f64, all_frames: f64) -> Mixture<'static> {
         let joints = &[0, 10, 11, 15, 20, 21];
-        Mixture { joints, trajectory_dropped: 0.3, keypose_dropped: 0.3, contiguous, all_frames }
+        Mixture {
+            joints,
+            any_joints: 0.0,
+            trajectory_dropped: 0.3,
+            keypose_dropped: 0.3,
+            contiguous,
+            all_frames,
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::conditions::{Drawer, Mixture};
 use super::control_measure::{HeldOut, measure};
 use super::course::{Course, Settings, broken, is_share, read_settings};
 use super::denoiser::{timesteps, works};
+use super::estimate::{EstimateSettings, EstimateStage, Told};
 use super::latents::{Cut, Latents, Window, windows};
 use super::motions::{self, Motion};
 use super::run::{OnStep, Place, Report, run};
@@ -72,6 +73,10 @@ pub struct ControlSettings {
     pub signal_power: f64,
     /// Held-out windows that are sampled at every measurement.
     pub measured: usize,
+    /// Share of trajectories that are of any joints.
+    pub any_joints: f64,
+    /// Control by an estimate instead of ControlNet and adapter, where its width is not 0. Weights and dropout are its own then.
+    pub estimate: EstimateSettings,
 }
 
 impl Default for ControlSettings {
@@ -105,6 +110,8 @@ impl Default for ControlSettings {
             keypose_weight: 1.0,
             signal_power: 0.5,
             measured: 48,
+            any_joints: 0.2,
+            estimate: EstimateSettings::default(),
         }
     }
 }
@@ -112,6 +119,7 @@ impl Default for ControlSettings {
 impl Settings for ControlSettings {
     fn check(&self) -> Result<(), String> {
         self.course.check()?;
+        self.estimate.check()?;
         let weight = |value: f64| value >= 0.0 && value.is_finite();
         broken([
             ("dropout", (0.0..1.0).contains(&self.dropout), "from 0 to below 1".to_string()),
@@ -135,6 +143,7 @@ impl Settings for ControlSettings {
             ("trajectory_weight", weight(self.trajectory_weight), "0 or more".into()),
             ("keypose_weight", weight(self.keypose_weight), "0 or more".into()),
             ("signal_power", weight(self.signal_power), "0 or more".into()),
+            ("any_joints", is_share(self.any_joints), "0 to 1".into()),
             ("measured", self.measured > 0, "1 or more".into()),
         ])
     }
@@ -155,8 +164,9 @@ impl ControlSettings {
     }
 
     pub(super) fn mixture(&self) -> Mixture<'_> {
-        let Self { trajectory_dropped, keypose_dropped, contiguous, all_frames, .. } = *self;
-        Mixture { joints: &self.joints, trajectory_dropped, keypose_dropped, contiguous, all_frames }
+        let Self { any_joints, trajectory_dropped, keypose_dropped, contiguous, all_frames, .. } = *self;
+        let joints = &self.joints;
+        Mixture { joints, any_joints, trajectory_dropped, keypose_dropped, contiguous, all_frames }
     }
 }
 
@@ -171,7 +181,10 @@ pub fn train_control(
     progress: &mut OnStep<'_>,
 ) -> Result<Report, TrainError> {
     settings.check().map_err(TrainError::Device)?;
-    let base = Base::read(model, &settings.course)?;
+    let mut base = Base::read(model, &settings.course)?;
+    if !Parts::of(&base.weights).control {
+        base.header.sizes.estimate = settings.estimate.width;
+    }
     let cut = settings.cut(&base.header.sizes)?;
     let manifest = Manifest::read(place.corpus)?;
     let read = |split, mirrored| motions::read(&manifest, split, &base.features, mirrored, settings.balance);
@@ -179,8 +192,15 @@ pub fn train_control(
     let windows_of_train = windows(&motions, cut, settings.course.seed);
     let (held_out, view) = (read(Split::Val, false)?, View::Space);
     let held_out = HeldOut::new(&held_out, settings.frames, settings.measured, &base, view)?;
+    let latents = Latents::encode(&base.vae, &motions, &windows_of_train, place.replicas.max(1))?;
+    if base.header.sizes.estimate > 0 {
+        let (told, usual, base) = (Told::Space(settings), settings.clone(), &base);
+        let (windows, schedule) = (windows_of_train, NoiseSchedule::default());
+        let stage = EstimateStage { told, base, motions, windows, latents, held_out, usual, schedule };
+        return stage.run(place, progress);
+    }
     let stage = ControlStage {
-        latents: Latents::encode(&base.vae, &motions, &windows_of_train, place.replicas.max(1))?,
+        latents,
         windows: windows_of_train,
         motions,
         held_out,

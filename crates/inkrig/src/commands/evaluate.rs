@@ -9,7 +9,7 @@ use crate::error::CliError;
 use crate::inputs;
 use crate::printable::{self, fixed};
 use inkrig_generate::checkpoint::{CheckpointError, ModelFile, ModelHeader};
-use inkrig_generate::networks::Vae;
+use inkrig_generate::networks::{Domain, Vae};
 use inkrig_generate::sampling::{Networks, Sampler, SamplingOptions};
 use inkrig_generate::weights::Tensors;
 use inkrig_motion::humanml::Statistics;
@@ -68,7 +68,7 @@ fn of_control(
     let wrong = |cause| about(&on.model, cause);
     let texts = text::encoder(&model.header, &model.weights, None, &on.model)?;
     let networks = Networks::new(&model.header.sizes, &model.weights).map_err(wrong)?;
-    if networks.control.is_none() {
+    if !networks.follows(Domain::Space) {
         return Err(CliError::NoControl { path: on.model.clone() });
     }
     let windows = held_out(on, &model, 100)?;
@@ -92,7 +92,7 @@ fn of_control(
         table.rows.push(("real motion".into(), protocol, real));
         table.rows.push(("through the autoencoder".into(), protocol, back));
         let mut runs = vec![("conditions in space", false, None)];
-        if networks.plane.is_some() {
+        if networks.follows(Domain::Plane) {
             runs.push(("conditions of a picture", true, None));
             runs.push(("conditions of a picture, guided", true, sampling.guidance.clone()));
         }

@@ -19,7 +19,7 @@ use inkrig_formats::{ExportOptions, HumanBone, write_motion};
 use inkrig_generate::checkpoint::{CheckpointError, ModelFile, ModelHeader};
 use inkrig_generate::configuration::Configuration;
 use inkrig_generate::guidance::{Ask, Guided, View};
-use inkrig_generate::networks::Decoding;
+use inkrig_generate::networks::{Decoding, Domain};
 use inkrig_generate::sampling::{Conditions, Networks, Request, Sampler, SamplingOptions, Semantics, Steps};
 use inkrig_generate::text::TextEncoder;
 use inkrig_generate::{GenerateError, weights::Tensors};
@@ -197,7 +197,7 @@ impl Model {
         let encoder = text::encoder(&self.header, &weights, args.text_model.as_deref(), &self.path)?;
         let networks =
             Networks::new(&self.header.sizes, &weights).map_err(|cause| about(&self.path, cause))?;
-        if networks.control.is_none() && (args.keypose3d.is_some() || args.trajectory3d.is_some()) {
+        if !networks.follows(Domain::Space) && (args.keypose3d.is_some() || args.trajectory3d.is_some()) {
             return Err(CliError::NoControl { path: self.path.clone() });
         }
         self.networks = Some(networks);
