@@ -4,10 +4,12 @@
 use super::placed::{Asked, Distances, Placed};
 use crate::GenerateError;
 use crate::networks::{
-    ConditionRows, Correction, CorrectionTape, Denoiser, Domain, Dropout, Estimate, Estimator, EstimatorTape,
-    Noisy, Sizes, Vae, WeightGradients, Work, told,
+    Correction, CorrectionTape, Denoiser, Domain, Dropout, Estimate, Estimator, EstimatorTape, Noisy, Sizes,
+    Vae, WeightGradients, Work, told,
 };
+use crate::numeric::elementwise::add;
 use crate::numeric::product::OuterWork;
+use crate::sampling::{Conditions, Misses};
 use crate::schedule::NoiseSchedule;
 use crate::weights::Tensors;
 use inkrig_motion::humanml::Statistics;
@@ -26,11 +28,9 @@ pub struct EstimateBatch<'a> {
     pub rolled: &'a [usize],
     /// Samples x text width.
     pub texts: &'a [f32],
-    /// What each trajectory asks for; nothing for samples without.
-    pub trajectories: &'a [ConditionRows],
-    /// The key pose of each; nothing for samples without.
-    pub keyposes: &'a [ConditionRows],
-    /// Frames of each, and which joints are asked for.
+    /// What each is asked for.
+    pub conditions: &'a [Conditions],
+    /// The same by frames and joints, also where conditions are on the picture.
     pub asked: &'a [Asked<'a>],
 }
 
@@ -78,6 +78,9 @@ pub struct EstimateLearner<'a> {
     estimator: EstimatorTape,
     corrected: CorrectionTape,
     run: Work,
+    misses: Misses,
+    vae: &'a Vae,
+    features: &'a Statistics,
     work: OuterWork,
 }
 
@@ -117,6 +120,9 @@ impl<'a> EstimateLearner<'a> {
             estimator: EstimatorTape::default(),
             corrected: CorrectionTape::default(),
             run: Work::default(),
+            misses: Misses::default(),
+            vae,
+            features,
             work: OuterWork::default(),
         })
     }
@@ -147,8 +153,8 @@ impl<'a> EstimateLearner<'a> {
         self.corrected.set_dropout(dropout.filter(|_| learned.is_some()).map(|own| own.of_block(64)));
 
         // The estimate, and what it corrects.
-        let rows = batch.trajectories.iter().zip(batch.keyposes).zip(batch.asked);
-        let all = rows.flat_map(|((path, pose), asked)| told(asked.frames, path, pose.first())).collect();
+        let all = batch.conditions.iter();
+        let all = all.flat_map(|own| told(own.frames, own.trajectory(), own.keypose())).collect();
         let estimate = estimator.forward_batch(all, &mut self.estimator);
         let stays = self.correction.as_ref().map(|(correction, _)| correction);
         let correction = learned.as_ref().or(stays);
@@ -163,37 +169,37 @@ impl<'a> EstimateLearner<'a> {
             let mut clean = denoised(&self.denoiser, latents, batch.rolled, texts, &mut self.run)?;
             let first = estimate.first(rolled, batch.timesteps.len());
             let tape = &mut CorrectionTape::default();
-            let taken = correction.forward_batch(latents, &clean, batch.rolled, &first, tape);
+            correction.weigh(&mut clean, batch.rolled, &first, tape);
+            let asked = &batch.conditions[..rolled];
+            let missed = self.misses.of(self.vae, self.features, &clean, asked)?;
+            correction.correct(latents, &mut clean, batch.rolled, (&first, &missed), tape);
             let steps = batch.rolled.iter().zip(batch.timesteps);
-            let rows = noisy.chunks_exact_mut(each).zip(clean.chunks_exact_mut(each));
-            for (((noisy, clean), taken), (&from, &to)) in rows.zip(taken.chunks_exact(each)).zip(steps) {
+            let rows = noisy.chunks_exact_mut(each).zip(clean.chunks_exact(each));
+            for ((noisy, clean), (&from, &to)) in rows.zip(steps) {
                 let [from, to] = [from, to].map(|step| self.schedule.alpha(step));
-                for ((noisy, clean), taken) in noisy.iter_mut().zip(clean).zip(taken) {
-                    *clean += (1.0 - from).sqrt() * taken;
-                    let noise = (*noisy - from.sqrt() * *clean) / (1.0 - from).sqrt();
-                    *noisy = to.sqrt() * *clean + (1.0 - to).sqrt() * noise;
+                for (noisy, clean) in noisy.iter_mut().zip(clean) {
+                    let noise = (*noisy - from.sqrt() * clean) / (1.0 - from).sqrt();
+                    *noisy = to.sqrt() * clean + (1.0 - to).sqrt() * noise;
                 }
             }
         }
-        let denoised = denoised(&self.denoiser, &noisy, batch.timesteps, batch.texts, &mut self.run)?;
+        let mut clean = denoised(&self.denoiser, &noisy, batch.timesteps, batch.texts, &mut self.run)?;
         let tape = &mut self.corrected;
-        let taken = correction.forward_batch(&noisy, &denoised, batch.timesteps, &estimate, tape);
-        // clean = denoised + sqrt(1 - alpha) taken, and the error of the velocity is that of the clean latent over sqrt(1 - alpha).
-        let mut clean = denoised;
+        correction.weigh(&mut clean, batch.timesteps, &estimate, tape);
+        let missed = self.misses.of(self.vae, self.features, &clean, batch.conditions)?;
+        correction.correct(&noisy, &mut clean, batch.timesteps, (&estimate, &missed), tape);
+        // The error of the velocity is that of the clean latent over sqrt(1 - alpha).
         let mut losses = EstimateLosses::default();
-        let mut of_taken = Vec::with_capacity(taken.len());
-        let count = taken.len() as f64;
-        let rows = clean.chunks_exact_mut(each).zip(taken.chunks_exact(each)).zip(batch.timesteps);
-        for (sample, (((clean, taken), &step), wanted)) in
-            rows.zip(batch.clean.chunks_exact(each)).enumerate()
-        {
-            let add = (1.0 - self.schedule.alpha(step)).sqrt();
+        let mut of_clean = Vec::with_capacity(clean.len());
+        let count = clean.len() as f64;
+        let rows = clean.chunks_exact(each).zip(batch.clean.chunks_exact(each)).zip(batch.timesteps);
+        for (sample, ((clean, wanted), &step)) in rows.enumerate() {
+            let share = (1.0 - self.schedule.alpha(step)).sqrt();
             let counts = if sample < rolled { 0.0 } else { 1.0 };
-            for ((clean, taken), wanted) in clean.iter_mut().zip(taken).zip(wanted) {
-                *clean += add * taken;
-                let apart = counts * f64::from((*clean - wanted) / add);
+            for (clean, wanted) in clean.iter().zip(wanted) {
+                let apart = counts * f64::from((clean - wanted) / share);
                 losses.velocity += apart * apart / count;
-                of_taken.push((2.0 * objective.velocity * apart / count) as f32);
+                of_clean.push((2.0 * objective.velocity * apart / count) as f32 / share);
             }
         }
         let mut of_estimate = Estimate::default();
@@ -205,15 +211,11 @@ impl<'a> EstimateLearner<'a> {
         // Where the joints are.
         let wanted = self.placed.places(batch.clean, batch.asked)?;
         let by = (objective.trajectory, objective.keypose);
-        let (predicted, of_clean) = self.placed.distances(&clean, batch.asked, &wanted, by)?;
-        let rows = of_taken.chunks_exact_mut(each).zip(of_clean.chunks_exact(each)).zip(batch.timesteps);
-        for ((taken, clean), &step) in rows {
-            let add = (1.0 - self.schedule.alpha(step)).sqrt();
-            taken.iter_mut().zip(clean).for_each(|(taken, clean)| *taken += add * clean);
-        }
+        let (predicted, of_places) = self.placed.distances(&clean, batch.asked, &wanted, by)?;
+        add(&mut of_clean, &of_places);
         let both = (by.0 * objective.estimated, by.1 * objective.estimated);
         let (estimated, of_latents) = self.placed.distances(&estimate.latents, batch.asked, &wanted, both)?;
-        of_estimate.latents.iter_mut().zip(&of_latents).for_each(|(sum, of)| *sum += of);
+        add(&mut of_estimate.latents, &of_latents);
         (losses.predicted, losses.estimated) = (predicted, estimated);
         losses.total = objective.velocity * losses.velocity
             + objective.estimate * losses.estimate
@@ -228,8 +230,10 @@ impl<'a> EstimateLearner<'a> {
         let mut nobody = vec![0.0; self.correction.as_ref().map_or(0, |(_, numbers)| *numbers)];
         let row = if learned.is_some() { &mut gradient[..] } else { &mut nobody };
         let mut to = WeightGradients { row, work: &mut self.work };
-        let came = correction.backward_batch(&of_taken, &self.corrected, &mut to);
-        of_estimate.latents.iter_mut().zip(&came.latents).for_each(|(sum, of)| *sum += of);
+        let (misses, vae, features) = (&mut self.misses, self.vae, self.features);
+        let back = |grad: &[f32]| misses.backward(vae, features, batch.conditions, grad);
+        let came = correction.backward_batch(&of_clean, batch.timesteps, &self.corrected, &mut to, back)?;
+        add(&mut of_estimate.latents, &came.latents);
         of_estimate.hidden = came.hidden;
         let mut to = WeightGradients { row: gradient, work: &mut self.work };
         estimator.backward_batch(&estimate, &of_estimate, &self.estimator, &mut to);
@@ -263,8 +267,7 @@ impl EstimateBatch<'_> {
             ("clean latents", count * latent, self.clean.len()),
             ("latents", count * latent, self.noisy.len()),
             ("texts", count * sizes.text_width, self.texts.len()),
-            ("trajectories of samples", count, self.trajectories.len()),
-            ("key poses of samples", count, self.keyposes.len()),
+            ("conditions of samples", count, self.conditions.len()),
             ("what is asked of samples", count, self.asked.len()),
             ("samples beyond the batch", 0, self.rolled.len().saturating_sub(count)),
         ] {
@@ -280,14 +283,23 @@ impl EstimateBatch<'_> {
 mod tests {
     use super::super::testing::check_gradient;
     use super::*;
+    use crate::guidance::{Ask, View};
     use crate::networks::{Parts, tensors};
+    use crate::sampling::{Request, Semantics};
     use crate::schedule::Noise;
     use crate::weights::hashed;
-    use inkrig_motion::humanml::WIDTH;
+    use inkrig_motion::glam::Vec3;
+    use inkrig_motion::humanml::{Camera, WIDTH};
 
-    fn rows(seed: u64, frames: &[usize]) -> ConditionRows {
-        let mut noise = Noise::new(seed);
-        frames.iter().map(|&frame| (frame, noise.normals(66))).collect()
+    fn conditions(view: View, frames: usize, asks: &[(usize, usize)], pose: Option<usize>) -> Conditions {
+        let numbers = Noise::new(frames as u64).normals(3 * (asks.len() + 22));
+        let mut places = numbers.chunks_exact(3).map(|at| Vec3::new(at[0], at[1], at[2]));
+        let mut place = || places.next().unwrap();
+        let asks = asks.iter().map(|&(frame, joint)| Ask { frame, joint, place: place() }).collect();
+        let keypose = pose.map(|frame| (frame, std::array::from_fn(|_| place())));
+        let request = Request { frames, text: Vec::new(), view, trajectory: asks, keypose };
+        let places = Statistics::new(vec![0.1; 66], vec![0.5; 66]).unwrap();
+        Conditions::new(&request, &places, Semantics::Paper).unwrap()
     }
 
     #[test]
@@ -307,29 +319,34 @@ mod tests {
             let vae = Vae::new(&sizes, &all).unwrap();
             let features = Statistics::new(vec![0.0; WIDTH], vec![0.1; WIDTH]).unwrap();
             let mut learner = EstimateLearner::new(&sizes, &own, (&vae, &all), domain, &features).unwrap();
+            let camera = View::Plane(Camera::default());
+            let view = if domain == Domain::Plane { camera } else { View::Space };
             let numbers = 3 * 2 * sizes.width;
             let (clean, noisy) = (Noise::new(1).normals(numbers), Noise::new(2).normals(numbers));
             let texts = Noise::new(3).normals(3 * sizes.text_width);
             let batch = EstimateBatch {
                 clean: &clean,
                 noisy: &noisy,
-                timesteps: &[5, 300, 900],
+                timesteps: &[120, 300, 900],
                 rolled: &[],
                 texts: &texts,
-                trajectories: &[rows(4, &[0, 1, 5]), rows(5, &[3]), Vec::new()],
-                keyposes: &[rows(6, &[2]), Vec::new(), rows(7, &[0])],
+                conditions: &[
+                    conditions(view, 6, &[(0, 10), (5, 0)], Some(2)),
+                    conditions(view, 9, &[(3, 4)], None),
+                    conditions(view, 4, &[], Some(0)),
+                ],
                 asked: &[
                     Asked { frames: 6, trajectory: &[(0, 10), (5, 0)], keypose: Some(2) },
                     Asked { frames: 9, trajectory: &[(3, 4)], keypose: None },
                     Asked { frames: 4, trajectory: &[], keypose: Some(0) },
                 ],
             };
-            // Velocities at step 5 are large: their error alone would drown what is tested here.
+            // Small, so that the loss is straight for as far as the test goes.
             let objective = EstimateObjective {
-                velocity: 0.01,
+                velocity: 0.003,
                 estimate: 0.3,
-                trajectory: 2.0,
-                keypose: 4.0,
+                trajectory: 0.1,
+                keypose: 0.2,
                 estimated: 0.5,
             };
             for dropout in [None, Some((0.1, 5))] {
@@ -340,7 +357,7 @@ mod tests {
                     (losses.total, gradient)
                 });
             }
-            let short = EstimateBatch { keyposes: &[Vec::new()], ..batch };
+            let short = EstimateBatch { asked: &[], ..batch };
             assert!(learner.step(&own.row(), &short, &objective, None, &mut Vec::new()).is_err());
         }
     }

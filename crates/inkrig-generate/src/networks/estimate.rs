@@ -3,7 +3,8 @@
 //! Not in the papers. Their ControlNet and adapter tell the denoiser's copies of one vector for all that is asked; with an hour of motion
 //! and minutes of training such control moved nothing (docs/training.md has the figures). Here an [`Estimator`] says at once which
 //! latent is to be expected (a regression), and a [`Correction`] weighs that against what the denoiser makes of the noisy latent, which
-//! knows the word and what conditions leave open. The denoiser stays as it is.
+//! knows the word and what conditions leave open. Then it is told where the motion still misses what is asked for, and moves it there: a
+//! step of guidance that is learned instead of searched for. The denoiser stays as it is.
 
 use super::conditions::Domain;
 use super::embedding::timestep_waves;
@@ -27,10 +28,17 @@ const COSINES: usize = 32;
 const POSE_SCALE: f32 = 3.0;
 /// Frames of a clip of usual length.
 const USUAL: f32 = 40.0;
+/// Times at which misses are told: motion is smoother than trajectories may be.
+const MISS_SLOTS: usize = 20;
+/// A miss of so many metres counts as one, and none for more than [`MOST`] times that.
+const MISS: f32 = 0.25;
+const MOST: f32 = 4.0;
 /// Numbers that say the timestep.
 pub(super) const WAVES: usize = 128;
 /// Numbers that conditions are told by: slots; the key pose, when it is, whether there is one; the clip's length.
 pub(super) const TOLD: usize = SLOTS * SLOT + POSE + COSINES + 2;
+/// Numbers that misses are told by: slots; the key pose, whether there is one.
+pub(crate) const MISSED: usize = MISS_SLOTS * SLOT + POSE + 1;
 
 /// What conditions say of latents.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -60,22 +68,13 @@ pub fn told(
     let mut told = vec![0.0; TOLD];
     let (slots, rest) = told.split_at_mut(SLOTS * SLOT);
     for (frame, row) in trajectory.iter().filter(|(frame, _)| *frame < frames) {
-        let first = frame * SLOTS / frames;
-        let end = ((frame + 1) * SLOTS).div_ceil(frames).max(first + 1);
-        for slot in slots.chunks_exact_mut(SLOT).take(end).skip(first) {
-            for (joint, place) in slot.chunks_exact_mut(4).zip(row.chunks_exact(3)) {
-                if place.iter().any(|number| *number != 0.0) {
-                    joint.iter_mut().zip(place).for_each(|(sum, number)| *sum += number);
-                    joint[3] += 1.0;
-                }
+        for (joint, place) in row.chunks_exact(3).enumerate() {
+            if place.iter().any(|number| *number != 0.0) {
+                add_to_slots(slots, (*frame, frames), joint, place);
             }
         }
     }
-    // More than one frame of a slot: their mean.
-    for joint in slots.chunks_exact_mut(4).filter(|joint| joint[3] > 1.0) {
-        let count = joint[3];
-        joint.iter_mut().for_each(|number| *number /= count);
-    }
+    mean_of_slots(slots);
     let (pose, rest) = rest.split_at_mut(POSE);
     let (when, last) = rest.split_at_mut(COSINES);
     if let Some((frame, row)) = keypose {
@@ -86,6 +85,78 @@ pub fn told(
     }
     last[1] = (frames as f32 / USUAL).ln();
     told
+}
+
+/// By how much a motion misses places that are asked for, as a [`Correction`] takes it: `joints` are frames, joints and metres, in the
+/// world; `pose` the metres of all joints of a key pose.
+pub(crate) fn missed(frames: usize, joints: &[(usize, usize, [f32; 3])], pose: Option<&[f32]>) -> Vec<f32> {
+    let frames = frames.max(1);
+    let scaled = |metres: f32| (metres / MISS).clamp(-MOST, MOST);
+    let mut row = vec![0.0; MISSED];
+    let (slots, rest) = row.split_at_mut(MISS_SLOTS * SLOT);
+    for (frame, joint, by) in joints.iter().filter(|(frame, joint, _)| *frame < frames && *joint < JOINTS) {
+        add_to_slots(slots, (*frame, frames), *joint, &by.map(scaled));
+    }
+    mean_of_slots(slots);
+    if let (Some(pose), Some((last, row))) = (pose, rest.split_last_mut()) {
+        row.iter_mut().zip(pose).for_each(|(row, by)| *row = scaled(*by));
+        *last = 1.0;
+    }
+    row
+}
+
+/// From the gradient of a row of [`missed`] numbers to that of the metres that it was made of, in their order; those of the pose behind
+/// them.
+pub(crate) fn missed_back(
+    frames: usize,
+    joints: &[(usize, usize, [f32; 3])],
+    pose: Option<&[f32]>,
+    grad: &[f32],
+) -> (Vec<[f32; 3]>, Vec<f32>) {
+    let frames = frames.max(1);
+    let open = |metres: f32, grad: f32| if (metres / MISS).abs() < MOST { grad / MISS } else { 0.0 };
+    let (slots, rest) = grad.split_at(MISS_SLOTS * SLOT);
+    let fits = |frame: usize, joint: usize| frame < frames && joint < JOINTS;
+    let mut counts = [0.0_f32; MISS_SLOTS * JOINTS];
+    for &(frame, joint, _) in joints.iter().filter(|(frame, joint, _)| fits(*frame, *joint)) {
+        touched(frame, frames, MISS_SLOTS).for_each(|slot| counts[slot * JOINTS + joint] += 1.0);
+    }
+    let of_joints = joints.iter().map(|&(frame, joint, by)| {
+        let mut of = [0.0; 3];
+        if fits(frame, joint) {
+            for slot in touched(frame, frames, MISS_SLOTS) {
+                let share = 1.0 / counts[slot * JOINTS + joint].max(1.0);
+                let own = &slots[slot * SLOT + 4 * joint..][..3];
+                of.iter_mut().zip(own).for_each(|(of, grad)| *of += share * grad);
+            }
+        }
+        std::array::from_fn(|axis| open(by[axis], of[axis]))
+    });
+    let of_pose = pose.into_iter().flatten().zip(rest).map(|(by, grad)| open(*by, *grad));
+    (of_joints.collect(), of_pose.collect())
+}
+
+/// The slots that a frame touches.
+fn touched(frame: usize, frames: usize, slots: usize) -> std::ops::Range<usize> {
+    let first = frame * slots / frames;
+    first..((frame + 1) * slots).div_ceil(frames).max(first + 1).min(slots)
+}
+
+/// Adds what is said of a joint at a frame, of so many, to all slots that the frame touches.
+fn add_to_slots(slots: &mut [f32], (frame, frames): (usize, usize), joint: usize, numbers: &[f32]) {
+    for slot in touched(frame, frames, slots.len() / SLOT) {
+        let own = &mut slots[slot * SLOT + 4 * joint..][..4];
+        own.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
+        own[3] += 1.0;
+    }
+}
+
+/// More than one frame of a slot: their mean.
+fn mean_of_slots(slots: &mut [f32]) {
+    for joint in slots.chunks_exact_mut(4).filter(|joint| joint[3] > 1.0) {
+        let count = joint[3];
+        joint.iter_mut().for_each(|number| *number /= count);
+    }
 }
 
 /// From conditions to the latent that is to be expected.
@@ -117,7 +188,7 @@ impl Estimator {
     }
 }
 
-/// Weighs what is estimated against what the denoiser says.
+/// Weighs what is estimated against what the denoiser says, and moves the motion to where it is asked to be.
 #[derive(Debug, Clone)]
 pub struct Correction {
     pub(super) trunk: Trunk,
@@ -145,68 +216,73 @@ impl Correction {
         })
     }
 
-    /// Noisy latent, clean one as the denoiser sees it, estimate, what else is known, timestep.
+    /// Noisy latent, weighed one, estimate, what else is known, timestep, misses.
     pub(super) fn inputs(sizes: &Sizes) -> usize {
-        3 * sizes.latent_tokens * sizes.width + sizes.estimate + WAVES
+        3 * sizes.latent_tokens * sizes.width + sizes.estimate + WAVES + MISSED
     }
 
-    /// Corrects the noise that the denoiser predicts in latents of one timestep.
-    ///
-    /// # Errors
-    /// When the numbers of noise, latents and estimates do not fit each other.
-    pub fn correct(
-        &self,
-        noise: &mut [f32],
-        noisy: &[f32],
-        timestep: usize,
-        estimate: &Estimate,
-    ) -> Result<(), GenerateError> {
-        for (what, got) in [("latents", noisy.len()), ("estimated latents", estimate.latents.len())] {
-            if got != noise.len() {
-                return Err(GenerateError::Length { what, expected: noise.len(), got });
-            }
-        }
-        let alpha = self.schedule.alpha(timestep);
-        let mut clean = vec![0.0; noise.len()];
-        self.schedule.clean(noisy, noise, timestep, &mut clean);
-        let timesteps = vec![timestep; noise.len() / self.width.max(1)];
-        let velocity = self.velocity(noisy, &clean, &timesteps, estimate, &mut CorrectionTape::default());
-        noise.iter_mut().zip(velocity).for_each(|(noise, velocity)| *noise -= alpha.sqrt() * velocity);
-        Ok(())
+    /// How much a correction counts at a timestep: as a velocity, so that it does nothing where no noise is left.
+    pub(super) fn share(&self, timestep: usize) -> f32 {
+        (1.0 - self.schedule.alpha(timestep)).sqrt()
     }
 
-    /// What is to be taken from the velocity: the estimate's share of its distance from the denoiser's clean latent, and what the blocks
-    /// add. All of it is a velocity, so that it does nothing where no noise is left.
-    pub(super) fn velocity(
+    /// Moves the clean latents that the denoiser sees towards the estimate, as much as the conditions and the timestep say; in place.
+    pub(crate) fn weigh(
         &self,
-        noisy: &[f32],
-        clean: &[f32],
+        clean: &mut [f32],
         timesteps: &[usize],
         estimate: &Estimate,
         tape: &mut CorrectionTape,
-    ) -> Vec<f32> {
+    ) {
         let known = estimate.hidden.len() / timesteps.len().max(1);
-        let mut input = Vec::with_capacity(timesteps.len() * (3 * self.width + known + WAVES));
         tape.weighed.clear();
+        for (hidden, &timestep) in estimate.hidden.chunks_exact(known.max(1)).zip(timesteps) {
+            tape.weighed.extend_from_slice(hidden);
+            tape.weighed.extend(timestep_waves(timestep, WAVES));
+        }
+        tape.shares = self.gate.apply(&tape.weighed);
+        tape.apart.clear();
+        let rows = tape.shares.chunks_exact_mut(self.width).zip(clean.chunks_exact_mut(self.width));
+        let rows = rows.zip(estimate.latents.chunks_exact(self.width)).zip(timesteps);
+        for (((shares, clean), estimate), &timestep) in rows {
+            let most = self.share(timestep);
+            for ((share, clean), estimate) in shares.iter_mut().zip(clean).zip(estimate) {
+                *share = 1.0 / (1.0 + (-*share).exp());
+                let apart = most * (estimate - *clean);
+                tape.apart.push(apart);
+                *clean += *share * apart;
+            }
+        }
+    }
+
+    /// Moves weighed latents to where `missed` (a row of [`missed`] for each sample) says that they are asked to be; in place.
+    pub(crate) fn correct(
+        &self,
+        noisy: &[f32],
+        weighed: &mut [f32],
+        timesteps: &[usize],
+        (estimate, missed): (&Estimate, &[f32]),
+        tape: &mut CorrectionTape,
+    ) {
+        let known = estimate.hidden.len() / timesteps.len().max(1);
+        let mut input = Vec::with_capacity(timesteps.len() * (3 * self.width + known + WAVES + MISSED));
         for (sample, &timestep) in timesteps.iter().enumerate() {
             let own = sample * self.width..(sample + 1) * self.width;
-            let waves = timestep_waves(timestep, WAVES);
             let hidden = &estimate.hidden[sample * known..(sample + 1) * known];
-            for part in [&noisy[own.clone()], &clean[own.clone()], &estimate.latents[own], hidden, &waves] {
-                input.extend_from_slice(part);
-            }
-            tape.weighed.extend_from_slice(hidden);
-            tape.weighed.extend_from_slice(&waves);
+            let misses = &missed[sample * MISSED..(sample + 1) * MISSED];
+            let waves = timestep_waves(timestep, WAVES);
+            let parts = [&noisy[own.clone()], &weighed[own.clone()], &estimate.latents[own], hidden];
+            parts.iter().for_each(|part| input.extend_from_slice(part));
+            input.extend(waves);
+            input.extend_from_slice(misses);
         }
         tape.hidden = self.trunk.forward(input, &mut tape.trunk);
-        let mut velocity = self.latent.apply(&tape.hidden);
-        tape.shares = self.gate.apply(&tape.weighed);
-        tape.shares.iter_mut().for_each(|share| *share = 1.0 / (1.0 + (-*share).exp()));
-        tape.apart.clear();
-        tape.apart.extend(estimate.latents.iter().zip(clean).map(|(estimate, clean)| estimate - clean));
-        let weighed = tape.shares.iter().zip(&tape.apart);
-        velocity.iter_mut().zip(weighed).for_each(|(velocity, (share, apart))| *velocity += share * apart);
-        velocity
+        let moved = self.latent.apply(&tape.hidden);
+        let rows = weighed.chunks_exact_mut(self.width).zip(moved.chunks_exact(self.width));
+        for ((clean, moved), &timestep) in rows.zip(timesteps) {
+            let share = self.share(timestep);
+            clean.iter_mut().zip(moved).for_each(|(clean, moved)| *clean += share * moved);
+        }
     }
 }
 
@@ -218,6 +294,7 @@ pub(crate) struct CorrectionTape {
     /// What went into the gate.
     pub(super) weighed: Vec<f32>,
     pub(super) shares: Vec<f32>,
+    /// What the shares are of.
     pub(super) apart: Vec<f32>,
 }
 

@@ -2,8 +2,10 @@
 
 use super::block::WeightGradients;
 use super::dropout::Dropout;
-use super::estimate::{Correction, CorrectionTape, Estimate, Estimator, WAVES};
+use super::estimate::{Correction, CorrectionTape, Estimate, Estimator, MISSED, WAVES};
 use super::trunk::TrunkTape;
+use crate::GenerateError;
+use crate::numeric::elementwise::add;
 
 /// What an estimator needs for the way back.
 #[derive(Debug, Clone, Default)]
@@ -48,46 +50,51 @@ impl Estimator {
 }
 
 impl Correction {
-    /// What is to be taken from the velocities in `noisy` latents of which the denoiser sees `clean` ones.
-    pub(crate) fn forward_batch(
-        &self,
-        noisy: &[f32],
-        clean: &[f32],
-        timesteps: &[usize],
-        estimate: &Estimate,
-        tape: &mut CorrectionTape,
-    ) -> Vec<f32> {
-        self.velocity(noisy, clean, timesteps, estimate, tape)
-    }
-
-    /// From the gradient of that velocity to those of the weights, added to theirs, and of the estimate.
+    /// From the gradient of corrected clean latents to those of the weights, added to theirs, and of the estimate. `back` goes from the
+    /// gradient of the misses to that of the weighed latents.
+    ///
+    /// # Errors
+    /// Those of `back`.
     pub(crate) fn backward_batch(
         &self,
         grad: &[f32],
+        timesteps: &[usize],
         tape: &CorrectionTape,
         to: &mut WeightGradients<'_>,
-    ) -> Estimate {
-        self.latent.weight_gradient(&tape.hidden, grad, to.row, to.work);
+        back: impl FnOnce(&[f32]) -> Result<Vec<f32>, GenerateError>,
+    ) -> Result<Estimate, GenerateError> {
+        let shared = |grad: &[f32]| -> Vec<f32> {
+            let rows = grad.chunks_exact(self.width).zip(timesteps);
+            rows.flat_map(|(row, &step)| row.iter().map(move |grad| self.share(step) * grad)).collect()
+        };
+        let moved = shared(grad);
+        self.latent.weight_gradient(&tape.hidden, &moved, to.row, to.work);
         let mut hidden = vec![0.0; tape.hidden.len()];
-        self.latent.backward(grad, &mut hidden, false);
+        self.latent.backward(&moved, &mut hidden, false);
         let input = self.trunk.backward(hidden, &tape.trunk, to);
-        let weighed = grad.iter().zip(&tape.apart).zip(&tape.shares);
+        let (inputs, width) = (input.len() / timesteps.len().max(1), self.width);
+        // Of what was weighed: directly, through the blocks, and through what it misses.
+        let through = input.chunks_exact(inputs).flat_map(|row| &row[width..2 * width]);
+        let mut weighed: Vec<f32> = grad.iter().zip(through).map(|(grad, through)| grad + through).collect();
+        let misses: Vec<f32> =
+            input.chunks_exact(inputs).flat_map(|row| &row[inputs - MISSED..]).copied().collect();
+        add(&mut weighed, &back(&misses)?);
+        let numbers = weighed.iter().zip(&tape.apart).zip(&tape.shares);
         let gate: Vec<f32> =
-            weighed.map(|((grad, apart), share)| grad * apart * share * (1.0 - share)).collect();
+            numbers.map(|((grad, apart), share)| grad * apart * share * (1.0 - share)).collect();
         self.gate.weight_gradient(&tape.weighed, &gate, to.row, to.work);
         let mut known = vec![0.0; tape.weighed.len()];
         self.gate.backward(&gate, &mut known, false);
-        let samples = grad.len() / self.width.max(1);
-        let (inputs, width) = (input.len() / samples.max(1), self.width);
-        let each = known.len() / samples.max(1);
+        let each = known.len() / timesteps.len().max(1);
         let mut of = Estimate { latents: Vec::with_capacity(grad.len()), hidden: Vec::new() };
         for (input, known) in input.chunks_exact(inputs).zip(known.chunks_exact(each)) {
             of.latents.extend_from_slice(&input[2 * width..3 * width]);
-            let both = input[3 * width..inputs - WAVES].iter().zip(known);
+            let both = input[3 * width..inputs - WAVES - MISSED].iter().zip(known);
             of.hidden.extend(both.map(|(trunk, gate)| trunk + gate));
         }
-        let direct = grad.iter().zip(&tape.shares);
+        let direct = shared(&weighed);
+        let direct = direct.iter().zip(&tape.shares);
         of.latents.iter_mut().zip(direct).for_each(|(of, (grad, share))| *of += grad * share);
-        of
+        Ok(of)
     }
 }

@@ -34,6 +34,8 @@ pub struct Conditions {
     pub(crate) trajectory: Vec<(usize, Vec<f32>)>,
     pub(crate) keypose: Option<(usize, Vec<f32>)>,
     pub(crate) target: Target,
+    /// The key pose in metres.
+    pub(crate) pose: Option<(usize, Joints)>,
 }
 
 impl Conditions {
@@ -86,8 +88,10 @@ impl Conditions {
             Some((frame, pose)) => Some((*frame, rows.keypose(pose))),
             None => None,
         };
+        let pose = request.keypose;
         let target = Target { view: request.view, asks: request.trajectory.clone() };
-        Ok(Self { frames: request.frames, text: request.text.clone(), domain, trajectory, keypose, target })
+        let (frames, text) = (request.frames, request.text.clone());
+        Ok(Self { frames, text, domain, trajectory, keypose, target, pose })
     }
 
     /// From tables that are normalised already: frames x 66 each, zeros where nothing is asked for.
@@ -106,7 +110,7 @@ impl Conditions {
             Some((_, row)) => {
                 Err(GenerateError::Length { what: "row of a condition", expected: POSE, got: row.len() })
             }
-            None => Ok(Self { frames, text, domain, trajectory, keypose, target }),
+            None => Ok(Self { frames, text, domain, trajectory, keypose, target, pose: None }),
         }
     }
 

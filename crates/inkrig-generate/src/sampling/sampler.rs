@@ -1,10 +1,10 @@
 //! From noise to clips (Algorithm 1).
 
-use super::model::Networks;
-use super::{Conditions, Semantics};
+use super::model::{EstimateControl, Networks};
+use super::{Conditions, Misses, Semantics};
 use crate::GenerateError;
 use crate::guidance::{GuidanceOptions, Guide, Guided, GuidedClip};
-use crate::networks::{Corrections, Estimate, Noisy, Work, guidance_waves, told};
+use crate::networks::{CorrectionTape, Corrections, Estimate, Noisy, Work, guidance_waves, told};
 use crate::schedule::{Ddim, Lcm, Noise, NoiseSchedule, mix};
 use inkrig_motion::humanml::Statistics;
 
@@ -287,9 +287,34 @@ impl Sampler<'_> {
             }
         }
         if let (Some(estimate), Some(control)) = (&prepared.estimate, &self.networks.estimate) {
-            control.correction.correct(&mut noise, latents, timestep, estimate)?;
+            self.correct(control, conditions, latents, timestep, estimate, &mut noise)?;
         }
         Ok(noise)
+    }
+
+    /// Corrects the noise that the denoiser predicts in latents by what is estimated and by what is missed.
+    fn correct(
+        &self,
+        control: &EstimateControl,
+        conditions: &[Conditions],
+        latents: &[f32],
+        timestep: usize,
+        estimate: &Estimate,
+        noise: &mut [f32],
+    ) -> Result<(), GenerateError> {
+        let schedule = NoiseSchedule::default();
+        let (mut clean, tape) = (vec![0.0; noise.len()], &mut CorrectionTape::default());
+        let timesteps = vec![timestep; conditions.len()];
+        schedule.clean(latents, noise, timestep, &mut clean);
+        control.correction.weigh(&mut clean, &timesteps, estimate, tape);
+        let missed = Misses::default().of(&self.networks.vae, self.features, &clean, conditions)?;
+        control.correction.correct(latents, &mut clean, &timesteps, (estimate, &missed), tape);
+        let alpha = schedule.alpha(timestep);
+        let (keep, share) = (alpha.sqrt(), (1.0 - alpha).sqrt());
+        for ((noise, noisy), clean) in noise.iter_mut().zip(latents).zip(&clean) {
+            *noise = (noisy - keep * clean) / share;
+        }
+        Ok(())
     }
 }
 

@@ -262,7 +262,9 @@ impl<'a> Stage for AlignStage<'a> {
             let window = self.latents.pick(&mut draw);
             let own = self.windows.get(window).ok_or_else(|| lost("a window"))?;
             let own = drawer.draw(own, &self.motions, &before.mixture(), &mut draw)?;
-            pictures.push(settings.drawing.of(&own, &self.base.places, &mut draw)?);
+            let picture = settings.drawing.of(&own, &self.base.places, &mut draw)?;
+            let keypose = picture.keypose().into_iter().cloned().collect();
+            pictures.push((picture.trajectory().to_vec(), keypose));
             drawn.push(own);
             chosen.push(window);
         }

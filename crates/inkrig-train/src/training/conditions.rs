@@ -28,7 +28,7 @@ pub(super) struct Mixture<'a> {
 }
 
 /// What is asked of a sample, in the form that networks take, and what the sample is.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Drawn {
     pub joints: Vec<Joints>,
     /// The same, frames x 66 metres.
@@ -39,6 +39,8 @@ pub(super) struct Drawn {
     pub asked: Vec<(usize, usize)>,
     /// The frame of the key pose.
     pub frame: Option<usize>,
+    /// All of it, in space.
+    pub conditions: Conditions,
 }
 
 /// Draws conditions in space.
@@ -94,6 +96,7 @@ impl Drawer<'_> {
             asked,
             frame: (!no_keypose).then_some(keypose),
             joints,
+            conditions,
         })
     }
 }

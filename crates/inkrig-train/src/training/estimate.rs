@@ -14,9 +14,9 @@ use super::stage::{Stage, Weights, network};
 use super::weights_file::{merged, read_weights, write_weights};
 use crate::TrainError;
 use inkrig_generate::learning::{Asked, EstimateBatch, EstimateLearner, EstimateObjective};
-use inkrig_generate::networks::{ConditionRows, Domain, Parts};
+use inkrig_generate::networks::{Domain, Parts};
 use inkrig_generate::schedule::{Noise, NoiseSchedule, STEPS};
-use inkrig_generate::weights::{Tensors, random};
+use inkrig_generate::weights::{Tensor, Tensors, random};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -142,9 +142,16 @@ impl EstimateStage<'_> {
         Ok(run(self, first, place, progress)?.0)
     }
 
+    /// What weights have of this stage's networks; the rest, or what has another shape there, as a run begins.
     fn own_of(&self, weights: &Tensors) -> Tensors {
-        let own = own_names(&self.base.header.sizes, self.told.parts());
-        own.filter_map(|name| Some((name.clone(), weights.get(&name)?.clone()))).collect()
+        let mut own = self.beginning();
+        for name in own_names(&self.base.header.sizes, self.told.parts()) {
+            let fits = |tensor: &&Tensor| own.get(&name).is_some_and(|own| own.shape() == tensor.shape());
+            if let Some(tensor) = weights.get(&name).filter(fits).cloned() {
+                own.insert(name, tensor);
+            }
+        }
+        own
     }
 
     fn beginning(&self) -> Tensors {
@@ -165,13 +172,6 @@ impl EstimateStage<'_> {
             Told::Plane(_) => self.usual.mixture(),
         }
     }
-}
-
-/// What a sample is asked for.
-struct Sample {
-    drawn: Drawn,
-    trajectory: ConditionRows,
-    keypose: ConditionRows,
 }
 
 impl<'a> Stage for EstimateStage<'a> {
@@ -227,20 +227,20 @@ impl<'a> Stage for EstimateStage<'a> {
         let settings = self.told.estimate();
         let mut draw = Noise::new(seed);
         let drawer = Drawer { features: &self.base.features, places: &self.base.places };
-        let (mut clean, mut texts, mut samples) = (Vec::new(), Vec::new(), Vec::with_capacity(count));
+        let (mut clean, mut texts) = (Vec::new(), Vec::new());
+        let (mut samples, mut conditions) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for _ in 0..count {
             let window = self.latents.pick(&mut draw);
             self.latents.sample(window, &mut draw, &mut clean);
             let verb = self.latents.verb(window, self.usual.text_dropped, &mut draw);
             texts.extend_from_slice(self.base.verbs.row(verb));
             let window = self.windows.get(window).ok_or_else(|| lost("a window"))?;
-            let mut drawn = drawer.draw(window, &self.motions, &self.mixture(), &mut draw)?;
-            let (mut trajectory, mut keypose) =
-                (std::mem::take(&mut drawn.trajectory), std::mem::take(&mut drawn.keypose));
-            if let Some(drawing) = self.told.drawing() {
-                (trajectory, keypose) = drawing.of(&drawn, &self.base.places, &mut draw)?;
-            }
-            samples.push(Sample { drawn, trajectory, keypose });
+            let drawn = drawer.draw(window, &self.motions, &self.mixture(), &mut draw)?;
+            conditions.push(match self.told.drawing() {
+                Some(drawing) => drawing.of(&drawn, &self.base.places, &mut draw)?,
+                None => drawn.conditions.clone(),
+            });
+            samples.push(drawn);
         }
         let timesteps = timesteps(count, &mut draw);
         let mut noisy = clean.clone();
@@ -256,22 +256,19 @@ impl<'a> Stage for EstimateStage<'a> {
         }
         let asked: Vec<Asked<'_>> = samples
             .iter()
-            .map(|Sample { drawn, .. }| Asked {
+            .map(|drawn: &Drawn| Asked {
                 frames: drawn.joints.len(),
                 trajectory: &drawn.asked,
                 keypose: drawn.frame,
             })
             .collect();
-        let trajectories: Vec<ConditionRows> = samples.iter().map(|own| own.trajectory.clone()).collect();
-        let keyposes: Vec<ConditionRows> = samples.iter().map(|own| own.keypose.clone()).collect();
         let batch = EstimateBatch {
             clean: &clean,
             noisy: &noisy,
             timesteps: &timesteps,
             rolled: &rolled,
             texts: &texts,
-            trajectories: &trajectories,
-            keyposes: &keyposes,
+            conditions: &conditions,
             asked: &asked,
         };
         let EstimateSettings { velocity, estimate, trajectory, keypose, estimated, .. } = *settings;

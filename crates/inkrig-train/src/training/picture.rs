@@ -4,7 +4,6 @@ use super::conditions::Drawn;
 use super::stage::network;
 use crate::TrainError;
 use inkrig_generate::guidance::{Ask, View};
-use inkrig_generate::networks::ConditionRows;
 use inkrig_generate::sampling::{Conditions, Request, Semantics};
 use inkrig_generate::schedule::Noise;
 use inkrig_motion::glam::{Vec2, Vec3};
@@ -62,13 +61,13 @@ impl Drawing {
             && range(self.shoulders, 0.1, 10.0)
     }
 
-    /// The trajectory and the key pose of a sample as they are drawn.
+    /// What a sample is asked for, as it is drawn.
     pub(super) fn of(
         &self,
         drawn: &Drawn,
         places: &Statistics,
         noise: &mut Noise,
-    ) -> Result<(ConditionRows, ConditionRows), TrainError> {
+    ) -> Result<Conditions, TrainError> {
         let camera =
             Camera::new(between(self.pitch, noise).to_radians(), between(self.yaw, noise).to_radians());
         let on_trajectory = if self.trajectories_too { self.noise } else { 0.0 };
@@ -102,8 +101,7 @@ impl Drawing {
             trajectory,
             keypose,
         };
-        let conditions = Conditions::new(&request, places, Semantics::Paper).map_err(network)?;
-        Ok((conditions.trajectory().to_vec(), conditions.keypose().into_iter().cloned().collect()))
+        Conditions::new(&request, places, Semantics::Paper).map_err(network)
     }
 }
 
@@ -156,18 +154,19 @@ mod tests {
             ..Drawing::default()
         };
         let places = Statistics::new(vec![0.0; 66], vec![1.0; 66]).unwrap();
-        let (trajectory, keypose) = still.of(&drawn(), &places, &mut Noise::new(1)).unwrap();
+        let seen = still.of(&drawn(), &places, &mut Noise::new(1)).unwrap();
+        let (trajectory, keypose) = (seen.trajectory(), seen.keypose().unwrap());
         let camera = Camera::default();
         let point = camera.project(drawn().joints[2][10]);
         assert_eq!((trajectory.len(), trajectory[1].0), (2, 2));
         assert!((trajectory[1].1[30] - point.x).abs() < 1e-5 && (trajectory[1].1[31] - point.y).abs() < 1e-5);
         let pose = augment(&drawn().joints[3]);
         let (root, head) = (camera.project(pose[0]), camera.project(pose[15]));
-        assert_eq!(keypose[0].0, 3);
-        assert!((keypose[0].1[45] - (head.x - root.x)).abs() < 1e-4);
+        assert_eq!(keypose.0, 3);
+        assert!((keypose.1[45] - (head.x - root.x)).abs() < 1e-4);
         // Scale, noise and proportions change it.
-        let (other, _) = (Drawing::default().of(&drawn(), &places, &mut Noise::new(2)).unwrap().1, 0);
-        assert!(other[0].1 != keypose[0].1);
+        let other = Drawing::default().of(&drawn(), &places, &mut Noise::new(2)).unwrap();
+        assert!(other.keypose().unwrap().1 != keypose.1);
     }
 
     #[test]
