@@ -8,6 +8,10 @@ use crate::networks::{CorrectionTape, Corrections, Estimate, Noisy, Work, guidan
 use crate::schedule::{Ddim, Lcm, Noise, NoiseSchedule, mix};
 use inkrig_motion::humanml::Statistics;
 
+/// Corrections of a prediction. Training has one; a second brings the motion nearer (with a model of 1,500 steps, on held-out people, key poses from 76 to
+/// 60 mm, all that was asked for from 149 to 119), a third hardly, and it makes feet slide more.
+const CORRECTIONS: usize = 2;
+
 /// How clips are sampled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SamplingOptions {
@@ -307,8 +311,10 @@ impl Sampler<'_> {
         let timesteps = vec![timestep; conditions.len()];
         schedule.clean(latents, noise, timestep, &mut clean);
         control.correction.weigh(&mut clean, &timesteps, estimate, tape);
-        let missed = Misses::default().of(&self.networks.vae, self.features, &clean, conditions)?;
-        control.correction.correct(latents, &mut clean, &timesteps, (estimate, &missed), tape);
+        for _ in 0..CORRECTIONS {
+            let missed = Misses::default().of(&self.networks.vae, self.features, &clean, conditions)?;
+            control.correction.correct(latents, &mut clean, &timesteps, (estimate, &missed), tape);
+        }
         let alpha = schedule.alpha(timestep);
         let (keep, share) = (alpha.sqrt(), (1.0 - alpha).sqrt());
         for ((noise, noisy), clean) in noise.iter_mut().zip(latents).zip(&clean) {

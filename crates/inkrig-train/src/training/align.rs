@@ -69,11 +69,13 @@ impl Default for AlignSettings {
         Self {
             course: Course {
                 steps: 6_000,
-                batch: 64,
-                rate: 5e-4,
-                warm_up: 200,
-                average: 0.995,
-                measure_every: 250,
+                batch: 256,
+                rate: 1e-3,
+                warm_up: 150,
+                weight_decay: 0.01,
+                average: 0.997,
+                measure_every: 500,
+                save_every: 250,
                 ..Course::default()
             },
             frames: 40,

@@ -83,12 +83,14 @@ impl Default for ControlSettings {
     fn default() -> Self {
         Self {
             course: Course {
-                steps: 10_000,
-                batch: 64,
-                rate: 5e-4,
-                warm_up: 200,
-                average: 0.995,
-                measure_every: 250,
+                steps: 12_000,
+                batch: 256,
+                rate: 1.5e-3,
+                warm_up: 150,
+                weight_decay: 0.01,
+                average: 0.997,
+                measure_every: 500,
+                save_every: 250,
                 ..Course::default()
             },
             dropout: 0.0,
