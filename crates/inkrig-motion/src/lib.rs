@@ -38,8 +38,10 @@ pub mod rig;
 pub mod root;
 pub mod rotation;
 mod skeleton;
+mod spans;
 mod takes;
 pub mod time;
+mod two_bone;
 
 pub use clip::{Clip, TranslationTrack};
 pub use error::MotionError;

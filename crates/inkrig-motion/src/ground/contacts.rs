@@ -1,6 +1,7 @@
 //! Feet that stand, and how far they slide.
 
 use super::size_of;
+use crate::spans::spans;
 use crate::{Clip, kinematics};
 use glam::{DVec2, Vec3};
 
@@ -56,7 +57,7 @@ impl Contacts {
         let ground = lows.iter().copied().fold(f32::MAX, f32::min);
         let reach = ((0.5 * OVER * clip.frame_rate()).round() as usize).max(1);
         let shortest = (SHORTEST * clip.frame_rate()).ceil().max(2.0) as usize;
-        let mut spans = Vec::new();
+        let mut found = Vec::new();
         for (&joint, &low) in ends.iter().zip(&lows) {
             if low > ground + REACH * size {
                 continue;
@@ -68,21 +69,10 @@ impl Contacts {
                 positions.frame(frame)[joint].y < low + HEIGHT * size
                     && step.length() < SPEED * size * seconds
             };
-            let mut begin = None;
-            for frame in 0..=clip.frames() {
-                match (begin, frame < clip.frames() && stands(frame)) {
-                    (None, true) => begin = Some(frame),
-                    (Some(first), false) => {
-                        if frame - first >= shortest {
-                            spans.push((joint, first, frame - 1));
-                        }
-                        begin = None;
-                    }
-                    _ => {}
-                }
-            }
+            let stands: Vec<bool> = (0..clip.frames()).map(stands).collect();
+            found.extend(spans(&stands, shortest).into_iter().map(|(first, last)| (joint, first, last)));
         }
-        Self { spans }
+        Self { spans: found }
     }
 
     /// How far the feet slide during these contacts in a clip of the same skeleton and length; `None` without

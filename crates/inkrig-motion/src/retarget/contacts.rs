@@ -3,6 +3,7 @@
 use super::figure::Figure;
 use super::reference::Reference;
 use crate::kinematics::Positions;
+use crate::spans::spans;
 use glam::Vec3;
 
 /// A foot is down when its ankle is at most this far above its own lowest place, in leg lengths.
@@ -80,19 +81,7 @@ pub(super) fn find(
         }
         // A T-pose at the beginning stands somewhere else.
         stands.iter_mut().take(rest_pose_frames).for_each(|slot| *slot = false);
-        let mut begin = None;
-        for frame in 0..=frames {
-            match (begin, stands.get(frame) == Some(&true)) {
-                (None, true) => begin = Some(frame),
-                (Some(first), false) => {
-                    if frame - first >= shortest {
-                        contacts.push((index, first, frame - 1));
-                    }
-                    begin = None;
-                }
-                _ => {}
-            }
-        }
+        contacts.extend(spans(&stands, shortest).into_iter().map(|(first, last)| (index, first, last)));
     }
     let low = (figure.legs.iter().enumerate())
         .map(|(index, own)| {

@@ -9,6 +9,8 @@ use super::transfer::Moved;
 use crate::Skeleton;
 use crate::kinematics::Positions;
 use crate::orientation::between;
+use crate::spans::upper_envelope;
+use crate::two_bone::two_bone;
 use glam::{Quat, Vec3};
 
 /// The time over which a foot goes over into standing and out of it, seconds.
@@ -215,37 +217,19 @@ fn lower_hips(moved: &mut Moved, onto: &Figure, places: &[Vec<Vec3>], legs: &[Ve
         })
         .collect();
     let wide = (EASE * rate).round().max(1.0) as usize;
-    let around =
-        |values: &[f32], frame: usize| frame.saturating_sub(wide)..(frame + wide + 1).min(values.len());
-    // The most around a frame, then the mean of that: never less than what is needed.
-    let most: Vec<f32> = (0..drops.len())
-        .map(|frame| drops[around(&drops, frame)].iter().copied().fold(0.0, f32::max))
-        .collect();
-    for (frame, place) in moved.hips.iter_mut().enumerate() {
-        let near = &most[around(&most, frame)];
-        place.y -= near.iter().sum::<f32>() / near.len() as f32;
+    for (place, drop) in moved.hips.iter_mut().zip(upper_envelope(&drops, wide)) {
+        place.y -= drop;
     }
 }
 
 /// Turns a leg so that its ankle comes to a place; the foot keeps its direction in the world, the knee its plane.
 fn bend(turns: &mut [Quat], places: &[Vec3], leg: &Limb, foot: usize, goal: Vec3, target: &Skeleton) {
     let (hip, knee, ankle) = (places[leg.upper], places[leg.lower], places[foot]);
-    let (thigh, shin) = (knee.distance(hip), ankle.distance(knee));
-    let reach = goal - hip;
-    let distance = reach.length().clamp((thigh - shin).abs() + 1e-4, REACH * (thigh + shin));
-    let Some(along) = reach.try_normalize() else { return };
+    let Some(along) = (goal - hip).try_normalize() else { return };
     // The plane of the knee as it is; a straight leg keeps the direction that its hinge has.
     let bent = (knee - hip).reject_from_normalized(along);
-    let Some(outwards) = bent
-        .try_normalize()
-        .or_else(|| (turns[leg.upper] * Vec3::Z).reject_from_normalized(along).try_normalize())
-    else {
-        return;
-    };
-    let cos =
-        ((thigh * thigh + distance * distance - shin * shin) / (2.0 * thigh * distance)).clamp(-1.0, 1.0);
-    let new_knee = hip + thigh * (cos * along + (1.0 - cos * cos).sqrt() * outwards);
-    let new_ankle = hip + distance * along;
+    let pole = bent.try_normalize().unwrap_or(turns[leg.upper] * Vec3::Z);
+    let Some([new_knee, new_ankle]) = two_bone([hip, knee, ankle], goal, REACH, pole) else { return };
     let upper = between((knee - hip).as_dvec3(), (new_knee - hip).as_dvec3()).as_quat();
     let lower = between((ankle - knee).as_dvec3(), (new_ankle - new_knee).as_dvec3()).as_quat();
     // Twist joints between hip and knee go with the hip, those between knee and ankle with the knee.
