@@ -81,6 +81,14 @@ pub enum SketchError {
         /// The limit, from [`limits`].
         limit: usize,
     },
+    /// A storyboard's file is wrong.
+    #[error("storyboard, {place}: {problem}")]
+    Storyboard {
+        /// Frame (counted from 1) and part of it, or line and column of the file.
+        place: String,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
     /// A point given to [`crate::Curve`] is wrong.
     #[error("point {point}: {problem}")]
     Point {

@@ -28,6 +28,7 @@ mod read;
 mod resample;
 pub mod shapes;
 mod smooth;
+pub mod storyboard;
 mod table;
 mod wave;
 mod write;

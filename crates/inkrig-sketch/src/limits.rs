@@ -25,3 +25,18 @@ pub const MAX_SVG_TEXT: usize = 16 << 20;
 pub const MAX_SVG_STYLE_MATCHES: usize = 5_000_000;
 /// Most declarations of name spaces times distinct prefixes, and most references times entities: what resolving costs.
 pub const MAX_SVG_LOOKUPS: usize = 16 << 20;
+
+/// Most frames of a storyboard.
+pub const MAX_STORYBOARD_FRAMES: usize = 500;
+/// Most points of a storyboard, all strokes of all frames together.
+pub const MAX_STORYBOARD_POINTS: usize = 500_000;
+/// Most `[` of a storyboard's file, and most `{`: what its lists and objects cost beyond their bytes.
+pub const MAX_STORYBOARD_LISTS: usize = 1_000_000;
+/// See [`MAX_STORYBOARD_LISTS`].
+pub const MAX_STORYBOARD_OBJECTS: usize = 50_000;
+/// Longest word, note or name of a storyboard, bytes.
+pub const MAX_STORYBOARD_TEXT: usize = 4096;
+/// Shortest and longest frame of a storyboard, seconds.
+pub const MIN_STORYBOARD_SECONDS: f64 = 0.1;
+/// See [`MIN_STORYBOARD_SECONDS`].
+pub const MAX_STORYBOARD_SECONDS: f64 = 60.0;

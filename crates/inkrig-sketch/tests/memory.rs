@@ -6,6 +6,7 @@
     reason = "counting what is allocated takes an allocator, which is unsafe by nature; the test prints its table"
 )]
 
+use inkrig_sketch::storyboard::{read_storyboard, read_storyboard_svg};
 use inkrig_sketch::{Format, read_curve, read_labels, read_table, read_wave};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -55,7 +56,27 @@ fn no_drawing_takes_more_than_its_share() {
     let halved = doubled.split_inclusive("</g>").take(13).collect::<String>();
     let entities = "<!DOCTYPE svg [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;\">\
         <!ENTITY c \"&b;&b;&b;&b;&b;&b;&b;&b;&b;&b;\"><!ENTITY d \"&c;&c;&c;&c;&c;&c;&c;&c;&c;&c;\">]>";
+    let board = |inside: &str| format!("{{\"inkrig_storyboard\": 1, \"frames\": [{inside}]}}");
     let cases = [
+        ("storyboard of frames", Format::Json, board(&format!("{}{{}}", "{},".repeat(1 << 15)))),
+        (
+            "storyboard of strokes",
+            Format::Json,
+            board(&format!("{{\"body\": [{}[[0,0]]]}}", "[[1,2]],".repeat(1 << 18))),
+        ),
+        (
+            "storyboard of points",
+            Format::Json,
+            board(&format!("{{\"scene\": [[{}[0,0,0,1]]]}}", "[1,2,0,1],".repeat(1 << 18))),
+        ),
+        (
+            "storyboard of trajectories",
+            Format::Json,
+            board(&format!(
+                "{{\"trajectories\": [{}{{\"points\":[[0,0]]}}]}}",
+                "{\"points\":[[1,2]]},".repeat(49_000)
+            )),
+        ),
         ("CSV of short rows", Format::Csv, "1,2\n".repeat(1 << 18)),
         ("CSV of one long row", Format::Csv, "1,".repeat(1 << 19)),
         ("CSV of quotes", Format::Csv, "\"".repeat(1 << 20)),
@@ -106,7 +127,9 @@ fn no_drawing_takes_more_than_its_share() {
     println!("{:<28}{:>10}{:>12}{:>8}", "case", "bytes", "peak", "share");
     for (name, format, text) in &cases {
         let bytes = text.as_bytes();
-        let readers: [(&str, &dyn Fn() -> bool); 4] = [
+        let readers: [(&str, &dyn Fn() -> bool); 6] = [
+            ("storyboard", &|| read_storyboard(bytes).is_ok()),
+            ("storyboard as SVG", &|| read_storyboard_svg(bytes).is_ok()),
             ("curve", &|| read_curve(bytes, *format).is_ok()),
             ("wave", &|| read_wave(bytes, *format).is_ok()),
             ("labels", &|| read_labels(bytes, *format).is_ok()),

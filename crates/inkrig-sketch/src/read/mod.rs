@@ -3,7 +3,7 @@
 pub(crate) mod csv;
 mod drawing;
 pub(crate) mod json;
-mod svg;
+pub(crate) mod svg;
 
 pub use drawing::{Drawing, read_drawing};
 

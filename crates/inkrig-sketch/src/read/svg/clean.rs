@@ -46,12 +46,16 @@ fn placeholder(number: usize) -> String {
     format!("M{number} 0L{number} 1L{number} 2")
 }
 
-/// Makes the clean copy.
+/// Makes the clean copy. Shapes carry what `tag` says of them as the colour of their fill, which has no other meaning in the
+/// copy; 0 leaves it out.
 ///
 /// # Errors
 /// The root is not `<svg>`; a `<use>` contains itself; path data is wrong; the drawing is larger than the limits once
 /// expanded.
-pub(super) fn clean(document: &Document<'_>) -> Result<Clean, SketchError> {
+pub(super) fn clean(
+    document: &Document<'_>,
+    tag: &dyn Fn(Node<'_, '_>) -> u32,
+) -> Result<Clean, SketchError> {
     let root = document.root_element();
     if kind(root) != Kind::Container("svg") {
         let problem = format!("the root element is <{}>, not <svg>", shorten(root.tag_name().name()));
@@ -65,7 +69,7 @@ pub(super) fn clean(document: &Document<'_>) -> Result<Clean, SketchError> {
     }
     let cost = Measure::new(&ids).cost(root, 0)?;
     cost.check()?;
-    let mut copy = Copy { ids: &ids, out: String::new(), paths: Vec::new(), room: MAX_POINTS };
+    let mut copy = Copy { ids: &ids, out: String::new(), paths: Vec::new(), room: MAX_POINTS, tag };
     copy.style_sheets(root, cost.elements)?;
     copy.element(root)?;
     Ok(Clean { text: copy.out, paths: copy.paths })
@@ -128,6 +132,7 @@ struct Copy<'c, 'a, 'input> {
     out: String,
     paths: Vec<Vec<PathEl>>,
     room: usize,
+    tag: &'c dyn Fn(Node<'_, '_>) -> u32,
 }
 
 impl<'a, 'input> Copy<'_, 'a, 'input> {
@@ -169,6 +174,12 @@ impl<'a, 'input> Copy<'_, 'a, 'input> {
             let _ = write!(self.out, " xmlns=\"{SVG}\"");
         }
         self.attributes(node)?;
+        if matches!(kind(node), Kind::Path | Kind::Shape(_)) {
+            let tag = (self.tag)(node);
+            if tag > 0 {
+                self.attribute("fill", &format!("#{:06x}", tag & 0xFF_FFFF));
+            }
+        }
         match kind(node) {
             Kind::Path => self.path(node)?,
             Kind::Use => {

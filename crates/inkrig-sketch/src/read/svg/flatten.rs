@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use kurbo::{Affine, PathEl, Point};
 use usvg::tiny_skia_path::{self, PathSegment, PathVerb};
-use usvg::{Group, Node, PaintOrder, ShapeRendering, Transform};
+use usvg::{Group, Node, Paint, PaintOrder, ShapeRendering, Transform};
 
 use crate::builder::{CurveBuilder, Sample};
 use crate::{Curve, Origin, SketchError, measure::Bounds};
@@ -12,8 +12,9 @@ use crate::{Curve, Origin, SketchError, measure::Bounds};
 /// How far a polyline may leave its curve, as a part of the drawing's diagonal.
 const TOLERANCE: f64 = 1e-4;
 
-/// All visible paths in document order, flattened, y up. `paths` is the path data that placeholders stand for.
-pub(super) fn flatten(root: &Group, paths: &[Vec<PathEl>]) -> Result<Curve, SketchError> {
+/// All visible paths in document order, flattened, y up, and the tag of each stroke. `paths` is the path data that placeholders
+/// stand for.
+pub(super) fn flatten(root: &Group, paths: &[Vec<PathEl>]) -> Result<(Curve, Vec<u32>), SketchError> {
     let mut seen = Vec::new();
     collect(root, paths, &mut seen);
     let corners = seen.iter().flat_map(|path| path.elements().flat_map(control_points));
@@ -23,17 +24,20 @@ pub(super) fn flatten(root: &Group, paths: &[Vec<PathEl>]) -> Result<Curve, Sket
     let tolerance = (bounds.diagonal() * TOLERANCE).max(f64::MIN_POSITIVE);
     let mut pen = Pen::default();
     for path in &seen {
+        pen.tag = path.tag;
         for element in path.elements() {
             pen.draw(element, tolerance)?;
         }
     }
-    pen.builder.finish(Origin::Outline).map_err(|_| SketchError::NothingVisible)
+    let curve = pen.builder.finish(Origin::Outline).map_err(|_| SketchError::NothingVisible)?;
+    Ok((curve, pen.tags))
 }
 
 struct Path<'a> {
     data: Cow<'a, [PathEl]>,
     /// From the path's own space to the page with y up.
     page_from_local: Affine,
+    tag: u32,
 }
 
 impl Path<'_> {
@@ -53,7 +57,7 @@ fn collect<'a>(group: &Group, paths: &'a [Vec<PathEl>], seen: &mut Vec<Path<'a>>
             Node::Path(path) if is_seen(path) => {
                 let Transform { sx, kx, ky, sy, tx, ty } = path.abs_transform();
                 let page_from_local = Affine::FLIP_Y * Affine::new([sx, ky, kx, sy, tx, ty].map(f64::from));
-                seen.push(Path { data: outline(path.data(), paths), page_from_local });
+                seen.push(Path { data: outline(path.data(), paths), page_from_local, tag: tag(path) });
             }
             _ => {}
         }
@@ -65,6 +69,14 @@ fn is_seen(path: &usvg::Path) -> bool {
     let filled = path.paint_order() == PaintOrder::FillAndStroke
         && path.fill().is_some_and(|fill| fill.opacity().get() > 0.0);
     path.is_visible() && (filled || path.rendering_mode() == ShapeRendering::CrispEdges)
+}
+
+/// Tags travel as colours: see `clean`.
+fn tag(path: &usvg::Path) -> u32 {
+    match path.fill().map(usvg::Fill::paint) {
+        Some(Paint::Color(colour)) => u32::from_be_bytes([0, colour.red, colour.green, colour.blue]),
+        _ => 0,
+    }
 }
 
 /// The path data that a placeholder stands for, or the outline of a shape.
@@ -103,6 +115,9 @@ struct Pen {
     at: Point,
     /// The pen was moved and has not drawn yet: a move alone draws nothing.
     lifted: bool,
+    /// Of the path that is drawn, and of every stroke so far.
+    tag: u32,
+    tags: Vec<u32>,
 }
 
 impl Pen {
@@ -114,6 +129,7 @@ impl Pen {
         }
         if std::mem::take(&mut self.lifted) {
             self.builder.begin_stroke();
+            self.tags.push(self.tag);
             self.push(self.start)?;
         }
         match element {

@@ -9,28 +9,40 @@ mod expansion;
 mod flatten;
 mod guard;
 mod path_data;
-mod style;
+pub(crate) mod style;
 
-use roxmltree::{Document, ParsingOptions};
+use roxmltree::{Document, Node, ParsingOptions};
 
 use self::guard::too_complex;
 use crate::limits::MAX_SVG_ELEMENTS;
 use crate::{Curve, SketchError};
 
 pub(super) fn read(text: &str) -> Result<Curve, SketchError> {
+    Ok(strokes(&parse(text)?, &|_| 0)?.0)
+}
+
+/// The document, under limits.
+pub(crate) fn parse(text: &str) -> Result<Document<'_>, SketchError> {
     guard::check_markup(text)?;
     // Text between elements makes nodes too, hence the factor.
     let nodes_limit = u32::try_from(4 * MAX_SVG_ELEMENTS).unwrap_or(u32::MAX);
     let options = ParsingOptions { allow_dtd: true, nodes_limit, entity_resolver: None };
-    let document = Document::parse_with_options(text, options).map_err(|error| match error {
+    Document::parse_with_options(text, options).map_err(|error| match error {
         roxmltree::Error::NodesLimitReached => too_complex("too many elements", MAX_SVG_ELEMENTS),
         error => {
             let (place, message) = (error.pos(), error.to_string());
             let problem = message.rsplit_once(" at ").map_or(message.as_str(), |(problem, _)| problem);
             SketchError::Svg { line: place.row, column: place.col, problem: problem.to_owned() }
         }
-    })?;
-    let clean = clean::clean(&document)?;
+    })
+}
+
+/// All visible strokes, and the tag of the element that each was drawn by: at most 24 bits.
+pub(crate) fn strokes(
+    document: &Document<'_>,
+    tag: &dyn Fn(Node<'_, '_>) -> u32,
+) -> Result<(Curve, Vec<u32>), SketchError> {
+    let clean = clean::clean(document, tag)?;
     let tree = usvg::Tree::from_str(&clean.text, &offline()).map_err(|error| {
         let problem = match error {
             usvg::Error::InvalidSize => "width, height or viewBox of the drawing is not positive".to_owned(),

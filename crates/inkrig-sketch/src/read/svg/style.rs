@@ -54,6 +54,17 @@ pub(super) fn for_each_rule<E>(
     sheet: &str,
     mut on_rule: impl FnMut(&str, &str) -> Result<(), E>,
 ) -> Result<(), E> {
+    for_each_whole_rule(sheet, |selector, declarations| {
+        let declarations = clean_declarations(declarations);
+        if declarations.is_empty() { Ok(()) } else { on_rule(selector, &declarations) }
+    })
+}
+
+/// The same with all declarations as they are written.
+pub(crate) fn for_each_whole_rule<E>(
+    sheet: &str,
+    mut on_rule: impl FnMut(&str, &str) -> Result<(), E>,
+) -> Result<(), E> {
     let sheet = without_comments(sheet);
     let mut rest = sheet.as_str();
     while let Some((prelude, body)) = rest.split_once('{') {
@@ -65,11 +76,8 @@ pub(super) fn for_each_rule<E>(
         }
         let (declarations, after) = body.split_once('}').unwrap_or((body, ""));
         rest = after;
-        let declarations = clean_declarations(declarations);
-        if !declarations.is_empty() {
-            for selector in selectors.split(',').map(str::trim).filter(|selector| is_simple(selector)) {
-                on_rule(selector, &declarations)?;
-            }
+        for selector in selectors.split(',').map(str::trim).filter(|selector| is_simple(selector)) {
+            on_rule(selector, declarations)?;
         }
     }
     Ok(())

@@ -1,0 +1,156 @@
+//! A storyboard: frames that say by strokes and a word what a figure does, one after the other. docs/storyboard.md
+//! describes the file.
+
+mod check;
+mod colours;
+mod file;
+mod rows;
+mod svg;
+
+pub use colours::{Kind, kind_of_colour};
+pub use file::{read_storyboard, write_storyboard};
+pub use svg::read_storyboard_svg;
+
+use serde::{Deserialize, Serialize};
+
+/// The form of the file that this program writes.
+pub const STORYBOARD_VERSION: u32 = 1;
+
+/// Frames of drawing, in the order of the story.
+///
+/// Whatever [`read_storyboard`] gives holds to [`Storyboard::check`]: every number is finite and in its range, and there
+/// is not more of anything than [`crate::limits`] says.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Storyboard {
+    /// What it is called.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub title: String,
+    /// The frames.
+    pub frames: Vec<Frame>,
+}
+
+/// One frame: a drawing on a canvas of its own. x points to the right, y up; the unit is any.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Frame {
+    /// What is done, as typed: `kick`, `walk and wave`.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub word: String,
+    /// The word as it was written by hand. A typed one wins.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub lettering: Vec<Stroke>,
+    /// The figure.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub body: Vec<Stroke>,
+    /// The ways of joints.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub trajectories: Vec<Trajectory>,
+    /// Dashes beside a trajectory that make it faster: never read as trajectories.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub speed_lines: Vec<Stroke>,
+    /// What stands around: kept, never read as body.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub scene: Vec<Stroke>,
+    /// Where joints are, said by the user. They win over what is read from the body.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pins: Vec<Pin>,
+    /// The camera that the frame is drawn through.
+    pub camera: FrameCamera,
+    /// How long it lasts; without it as long as the trajectories ask for, or two seconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
+    /// Whatever there is to say.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub notes: String,
+}
+
+/// A line of a pen.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Stroke {
+    /// x and y, canvas units.
+    pub points: Vec<[f64; 2]>,
+    /// The pen's time at each point, seconds; never goes back.
+    pub seconds: Option<Vec<f64>>,
+    /// The pen's pressure at each point, 0 to 1. There is none without time.
+    pub pressure: Option<Vec<f64>>,
+}
+
+/// The way of a joint.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Trajectory {
+    /// The line.
+    pub points: Stroke,
+    /// Whose way it is, such as `right_foot`; without it, the joint that is nearest to one of its ends.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint: Option<String>,
+    /// Whether the figure is drawn where the way begins or where it ends; without it, the end that is nearer to the joint.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub figure: Option<End>,
+}
+
+/// An end of a trajectory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum End {
+    /// The first point.
+    Start,
+    /// The last point.
+    End,
+}
+
+/// A joint's place, said by the user.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pin {
+    /// Name of the joint, such as `right_wrist`.
+    pub joint: String,
+    /// Where it is, canvas units.
+    pub at: [f64; 2],
+}
+
+/// The camera of a frame: orthographic, turned about the vertical, then tilted.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FrameCamera {
+    /// How far it looks down, degrees, -90 to 90.
+    pub pitch_degrees: f64,
+    /// How far the figure is turned to the right of the picture, degrees, -180 to 180; at 0 it faces the viewer.
+    pub yaw_degrees: f64,
+}
+
+impl Default for FrameCamera {
+    /// The three-quarter view that storyboards are drawn in.
+    fn default() -> Self {
+        Self { pitch_degrees: 20.0, yaw_degrees: 30.0 }
+    }
+}
+
+impl Stroke {
+    /// Points without time.
+    pub fn new(points: Vec<[f64; 2]>) -> Self {
+        Self { points, seconds: None, pressure: None }
+    }
+}
+
+impl Frame {
+    /// Puts a stroke where its kind belongs.
+    pub fn add(&mut self, kind: Kind, stroke: Stroke) {
+        match kind {
+            Kind::Body => self.body.push(stroke),
+            Kind::Trajectory => {
+                self.trajectories.push(Trajectory { points: stroke, ..Trajectory::default() });
+            }
+            Kind::Speed => self.speed_lines.push(stroke),
+            Kind::Scene => self.scene.push(stroke),
+            Kind::Lettering => self.lettering.push(stroke),
+        }
+    }
+
+    /// All strokes but those of the scene.
+    pub fn strokes(&self) -> impl Iterator<Item = &Stroke> {
+        let ways = self.trajectories.iter().map(|way| &way.points);
+        self.body.iter().chain(ways).chain(&self.speed_lines).chain(&self.lettering)
+    }
+}
