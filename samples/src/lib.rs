@@ -1,4 +1,4 @@
-//! Motions and curves that this project made and gives away, and the code that makes them.
+//! Motions, curves and storyboards that this project made and gives away, and the code that makes them.
 //!
 //! The files are embedded, so that a program shows them without any file on the disk. `samples/README.md` says who
 //! may do what with them: everybody, everything.
@@ -35,9 +35,18 @@ pub fn curves() -> &'static [Sample] {
     &CURVES
 }
 
-/// The motion or curve of that name (`person`) or file name (`person.bvh`).
+/// The storyboards: JSON.
+pub fn storyboards() -> &'static [Sample] {
+    &STORYBOARDS
+}
+
+/// The motion, curve or storyboard of that name (`person`) or file name (`person.bvh`).
 pub fn find(name: &str) -> Option<&'static Sample> {
-    MOTIONS.iter().chain(&CURVES).find(|sample| sample.name == name || sample.file_name == name)
+    MOTIONS
+        .iter()
+        .chain(&CURVES)
+        .chain(&STORYBOARDS)
+        .find(|sample| sample.name == name || sample.file_name == name)
 }
 
 static MOTIONS: [Sample; 3] = [
@@ -85,5 +94,44 @@ static CURVES: [Sample; 4] = [
         file_name: "heart.json",
         bytes: include_bytes!("../curves/heart.json"),
         description: "A heart with the time of the pen: slow in the bends, quick between them; 6 s.",
+    },
+];
+
+static STORYBOARDS: [Sample; 6] = [
+    Sample {
+        name: "walk-and-wave",
+        file_name: "walk-and-wave.json",
+        bytes: include_bytes!("../storyboards/walk-and-wave.json"),
+        description: "A person walks up and waves; two frames.",
+    },
+    Sample {
+        name: "kick",
+        file_name: "kick.json",
+        bytes: include_bytes!("../storyboards/kick.json"),
+        description: "A kick with the right foot, with lines of speed; one frame.",
+    },
+    Sample {
+        name: "jump",
+        file_name: "jump.json",
+        bytes: include_bytes!("../storyboards/jump.json"),
+        description: "A jump from a crouch; two frames.",
+    },
+    Sample {
+        name: "sit-down-and-stand-up",
+        file_name: "sit-down-and-stand-up.json",
+        bytes: include_bytes!("../storyboards/sit-down-and-stand-up.json"),
+        description: "A person sits down on a chair and stands up; two frames.",
+    },
+    Sample {
+        name: "dance",
+        file_name: "dance.json",
+        bytes: include_bytes!("../storyboards/dance.json"),
+        description: "Three frames of a dance: both hands, a foot, a spin.",
+    },
+    Sample {
+        name: "turn-and-run",
+        file_name: "turn-and-run.json",
+        bytes: include_bytes!("../storyboards/turn-and-run.json"),
+        description: "A person turns and runs away; two frames.",
     },
 ];

@@ -8,6 +8,7 @@ pub mod limb_ik;
 pub mod person;
 pub mod quadruped;
 pub mod snake;
+pub mod storyboards;
 
 use inkrig_formats::{Axis, Channel, ExportOptions, FormatError, write_bvh};
 use inkrig_motion::{Clip, MotionError};
@@ -56,6 +57,9 @@ pub fn make_all() -> Result<Vec<(String, Vec<u8>)>, MakeError> {
     }
     for (name, text) in curves::files()? {
         files.push((format!("curves/{name}"), text.into_bytes()));
+    }
+    for (name, text) in storyboards::files()? {
+        files.push((format!("storyboards/{name}"), text.into_bytes()));
     }
     Ok(files)
 }

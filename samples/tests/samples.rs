@@ -4,7 +4,8 @@
 
 use inkrig_formats::{Import, ImportOptions, Severity, read_bvh};
 use inkrig_motion::{glam::Quat, kinematics};
-use inkrig_samples::{Sample, curves, find, make, motions};
+use inkrig_samples::{Sample, curves, find, make, motions, storyboards};
+use inkrig_sketch::storyboard::{Storyboard, read_storyboard};
 use inkrig_sketch::{Curve, Format, read_curve};
 use std::path::Path;
 
@@ -56,14 +57,37 @@ fn curve_difference(a: &Curve, b: &Curve) -> f64 {
     places.chain(times.map(|(a, b)| (a - b).abs())).fold(0.0, f64::max)
 }
 
+/// The largest difference of places, in thousandths of a canvas unit, which is what a drawing is rounded to a tenth of.
+fn board_difference(a: &[u8], b: &[u8]) -> f64 {
+    let [a, b] = [a, b].map(|bytes| read_storyboard(bytes).unwrap());
+    let words = |board: &Storyboard| board.frames.iter().map(|frame| frame.word.clone()).collect::<Vec<_>>();
+    assert_eq!(words(&a), words(&b));
+    let points = |board: &Storyboard| -> Vec<[f64; 2]> {
+        let strokes = board.frames.iter().flat_map(|frame| frame.strokes().chain(&frame.scene));
+        strokes.flat_map(|stroke| stroke.points.clone()).collect()
+    };
+    let (a, b) = (points(&a), points(&b));
+    assert_eq!(a.len(), b.len());
+    // A number that lies between two tenths may be rounded to either.
+    let apart = |a: &[f64; 2], b: &[f64; 2]| ((a[0] - b[0]).hypot(a[1] - b[1]) - 0.15).max(0.0);
+    a.iter().zip(&b).map(|(a, b)| apart(a, b)).fold(0.0, f64::max)
+}
+
 #[test]
 fn the_stored_files_are_what_the_code_makes() {
     let made = make::make_all().unwrap();
-    assert_eq!(made.len(), motions().len() + curves().len());
+    assert_eq!(made.len(), motions().len() + curves().len() + 2 * storyboards().len());
     for (path, bytes) in &made {
         let (folder, file) = path.split_once('/').unwrap();
+        if file.ends_with(".svg") && folder == "storyboards" {
+            let stored = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+            let stored = std::fs::read_to_string(stored).unwrap();
+            assert_eq!(stored.lines().count(), String::from_utf8_lossy(bytes).lines().count(), "{path}");
+            continue;
+        }
         let sample = find(file).unwrap();
         let apart = match folder {
+            "storyboards" => board_difference(sample.bytes, bytes),
             "motions" => difference(&import(sample.bytes), &import(bytes)),
             _ => curve_difference(&curve(sample, sample.bytes), &curve(sample, bytes)),
         };
@@ -128,7 +152,7 @@ fn curves_read_and_have_what_their_description_says() {
 
 #[test]
 fn names_are_unique_and_found() {
-    let all: Vec<&Sample> = motions().iter().chain(curves()).collect();
+    let all: Vec<&Sample> = motions().iter().chain(curves()).chain(storyboards()).collect();
     for sample in &all {
         assert_eq!(find(sample.name), Some(*sample));
         assert_eq!(find(sample.file_name), Some(*sample));
