@@ -10,7 +10,7 @@ use super::ink::Ink;
 use super::sketch::KEY_POINTS;
 use head::{Head, find_head};
 use limbs::match_body;
-use thin::thin;
+pub use thin::thin;
 use walk::Lines;
 
 /// Ink above this is a line.

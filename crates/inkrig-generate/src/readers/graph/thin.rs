@@ -1,7 +1,10 @@
 //! Lines of any width become lines of one pixel (Zhang and Suen 1984).
 
-/// Thins in place.
-pub(super) fn thin(lines: &mut [bool], width: usize) {
+/// Thins in place: rows of `width` pixels. What touches the border is taken away; less than a row stays as it is.
+pub fn thin(lines: &mut [bool], width: usize) {
+    if width == 0 || lines.len() < width {
+        return;
+    }
     let height = lines.len() / width;
     // The border has no neighbours to judge by.
     for (at, line) in lines.iter_mut().enumerate() {

@@ -1,0 +1,28 @@
+//! From a storyboard to one animation (Sketch2Anim, sections 3 and 6).
+//!
+//! The order of work: [`understand`] makes of a drawn frame what the model is asked for ([`Plan`]), [`Maker::clip`] makes a
+//! motion of that, [`sequence`] puts the motions end to end, [`meet`] moves a motion until it meets what was drawn.
+//!
+//! Picture coordinates are metres, x to the right and y up, as [`inkrig_motion::humanml::Camera`] projects the world.
+
+mod attach;
+mod calibrate;
+mod error;
+mod exact;
+mod figure;
+mod generate;
+mod joints;
+mod page;
+mod picture;
+mod plan;
+mod sequence;
+mod timing;
+
+pub use attach::Way;
+pub use error::StoryboardError;
+pub use exact::{Goal, MeetOptions, Met, meet, misses};
+pub use figure::{Figure, Found, read_figure};
+pub use generate::{Generated, Maker, MakerOptions};
+pub use picture::{Picture, storyboard_of_picture};
+pub use plan::{KeyJoint, Plan, Understood, understand};
+pub use sequence::{Blender, Joined, Transition, sequence};
