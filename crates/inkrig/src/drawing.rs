@@ -30,6 +30,31 @@ pub(crate) fn ink(path: &Path) -> Result<Ink, CliError> {
 }
 
 fn picture(path: &Path) -> Result<Ink, CliError> {
+    let pixmap = pixmap(path)?;
+    let bright = on_paper(&pixmap).map(|[red, green, blue]| (0.3 * red + 0.59 * green + 0.11 * blue) / 255.0);
+    let bright: Vec<f32> = bright.collect();
+    Ok(Ink::of_brightness(&bright, pixmap.width() as usize, pixmap.height() as usize))
+}
+
+/// The pixels of a PNG, red, green and blue, with their width and height.
+///
+/// # Errors
+/// When it is not there, too large or not understood.
+pub(crate) fn colours(path: &Path) -> Result<(usize, usize, Vec<u8>), CliError> {
+    let pixmap = pixmap(path)?;
+    let pixels = on_paper(&pixmap).flat_map(|pixel| pixel.map(|part| part as u8)).collect();
+    Ok((pixmap.width() as usize, pixmap.height() as usize, pixels))
+}
+
+/// Red, green and blue from 0 to 255 of each pixel. Colours are multiplied by their cover already; the rest is white paper.
+fn on_paper(pixmap: &Pixmap) -> impl Iterator<Item = [f32; 3]> + '_ {
+    pixmap.pixels().iter().map(|pixel| {
+        let white = 255.0 - f32::from(pixel.alpha());
+        [pixel.red(), pixel.green(), pixel.blue()].map(|part| f32::from(part) + white)
+    })
+}
+
+fn pixmap(path: &Path) -> Result<Pixmap, CliError> {
     let bytes = load::drawing(path)?;
     let wrong = |what: String| CliError::Picture { path: path.to_path_buf(), what };
     // The size stands at a fixed place; it is looked at before room is made.
@@ -40,16 +65,7 @@ fn picture(path: &Path) -> Result<Ink, CliError> {
     if number(16).saturating_mul(number(20)) > MOST_PIXELS {
         return Err(wrong(format!("has more than {MOST_PIXELS} pixels; save it smaller")));
     }
-    let pixmap =
-        Pixmap::decode_png(&bytes).map_err(|error| wrong(format!("is no PNG that can be read ({error})")))?;
-    let white = |alpha: u8| 255.0 - f32::from(alpha);
-    let bright = pixmap.pixels().iter().map(|pixel| {
-        // Colours are multiplied by their cover already; the rest is white paper.
-        let [red, green, blue] = [pixel.red(), pixel.green(), pixel.blue()].map(f32::from);
-        (0.3 * red + 0.59 * green + 0.11 * blue + white(pixel.alpha())) / 255.0
-    });
-    let bright: Vec<f32> = bright.collect();
-    Ok(Ink::of_brightness(&bright, pixmap.width() as usize, pixmap.height() as usize))
+    Pixmap::decode_png(&bytes).map_err(|error| wrong(format!("is no PNG that can be read ({error})")))
 }
 
 fn lines(path: &Path) -> Result<Ink, CliError> {

@@ -12,6 +12,7 @@ use inkrig_motion::MotionError;
 use inkrig_motion::retarget::RetargetError;
 use inkrig_sketch::SketchError;
 use inkrig_sound::SoundError;
+use inkrig_storyboard::StoryboardError;
 use inkrig_studio::StudioError;
 use inkrig_train::TrainError;
 use miette::Diagnostic;
@@ -295,6 +296,14 @@ pub enum CliError {
         path: PathBuf,
         /// Why.
         cause: Box<GenerateError>,
+    },
+    /// A storyboard that cannot be made a motion.
+    #[error("{}: {}", printable::path(path), printable::text(cause))]
+    Storyboard {
+        /// The file.
+        path: PathBuf,
+        /// Which frame, why, and what to do.
+        cause: Box<StoryboardError>,
     },
     /// A key pose or a trajectory that cannot be used.
     #[error("{}: {}", printable::path(path), printable::text(cause))]

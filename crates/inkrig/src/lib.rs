@@ -22,6 +22,7 @@ pub use inkrig_motion as motion;
 pub use inkrig_samples as samples;
 pub use inkrig_sketch as sketch;
 pub use inkrig_sound as sound;
+pub use inkrig_storyboard as storyboard;
 pub use inkrig_transport as transport;
 
 mod bake;

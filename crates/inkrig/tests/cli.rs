@@ -33,6 +33,8 @@ mod retarget;
 mod sketch;
 #[path = "cli/stop.rs"]
 mod stop;
+#[path = "cli/storyboard.rs"]
+mod storyboard;
 #[path = "cli/studio.rs"]
 mod studio;
 #[path = "cli/words.rs"]

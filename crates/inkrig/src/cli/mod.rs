@@ -14,6 +14,7 @@ mod retarget;
 mod root;
 mod sidecar;
 mod sketch;
+mod storyboard;
 mod studio;
 mod suggest;
 mod train;
@@ -32,6 +33,7 @@ pub use retarget::RetargetArgs;
 pub use root::{RootArgs, RootMode};
 pub use sidecar::SidecarArgs;
 pub use sketch::{SketchArgs, SketchCommand, SketchReadArgs, SketchWordArgs};
+pub use storyboard::{BlendArg, ExactArg, StoryboardArgs};
 pub use studio::StudioArgs;
 pub use suggest::SuggestArgs;
 pub use train::{PaceArgs, RunArgs, TrainArgs, TrainStage};
@@ -90,6 +92,9 @@ pub enum Command {
     /// Make a result again from the record beside it, byte for byte, or check it
     #[command(after_help = redo::EXAMPLES)]
     Redo(RedoArgs),
+    /// Make one animation of drawn frames: figures, ways of joints, words
+    #[command(after_help = storyboard::EXAMPLES)]
+    Storyboard(Box<StoryboardArgs>),
     /// Draw in the browser while the character moves
     #[command(after_help = studio::EXAMPLES)]
     Studio(StudioArgs),

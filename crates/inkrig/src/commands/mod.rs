@@ -20,6 +20,7 @@ mod redo;
 mod retarget;
 mod settings;
 mod sketch;
+mod storyboard;
 mod studio;
 mod suggest;
 mod train;
@@ -51,6 +52,7 @@ pub fn run(cli: Cli, matches: &ArgMatches) -> Result<(), CliError> {
         Command::Redo(args) => redo::run(&args, &console),
         Command::Inspect(args) => inspect::run(&args, &console),
         Command::Model(args) => model::run(&args, &console),
+        Command::Storyboard(args) => storyboard::run(&args, &run(args.force), &console),
         Command::Studio(args) => studio::run(&args, &console),
         Command::Suggest(args) => suggest::run(&args, &console),
         Command::Sketch(args) => sketch::run(&args, &console),

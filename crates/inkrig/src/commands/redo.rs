@@ -1,6 +1,6 @@
 //! `inkrig redo`: a result made again from the record beside it, and compared.
 
-use super::{align, convert, generate, retarget};
+use super::{align, convert, generate, retarget, storyboard};
 use crate::cli::{Cli, Command, RedoArgs};
 use crate::console::Console;
 use crate::error::CliError;
@@ -215,6 +215,7 @@ impl Redo<'_> {
             Command::Convert(args) => convert::run(&args, &run, &quiet)?,
             Command::Generate(args) => generate::run(&args, &run, &quiet)?,
             Command::Retarget(args) => retarget::run(&args, &run, &quiet)?,
+            Command::Storyboard(args) => storyboard::run(&args, &run, &quiet)?,
             _ => {}
         }
         let motion = made.into_inner().into_iter().nth(sidecar.solution - 1);

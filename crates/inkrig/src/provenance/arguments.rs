@@ -6,12 +6,13 @@ use serde_json::{Map, Value};
 use std::path::Path;
 
 /// Arguments that take no part in what a motion is: where results go, what else is written, how fast.
-const OTHERS: [&str; 13] = [
+const OTHERS: [&str; 14] = [
     "out",
     "force",
     "report",
     "preview",
     "sheet",
+    "clips",
     "no-sidecar",
     "licence-note",
     "threads",

@@ -51,7 +51,7 @@ pub(crate) struct OutputFile {
 }
 
 /// Commands that make a motion.
-const COMMANDS: [&str; 4] = ["align", "convert", "generate", "retarget"];
+const COMMANDS: [&str; 5] = ["align", "convert", "generate", "retarget", "storyboard"];
 
 /// Largest record that is read, bytes.
 const MOST_BYTES: u64 = 4 << 20;

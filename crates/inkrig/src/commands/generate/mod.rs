@@ -32,8 +32,7 @@ use std::sync::Arc;
 
 pub(super) fn run(args: &GenerateArgs, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
     let format = results::format_of(&args.out)?;
-    let named = args.model.clone().or_else(|| std::env::var_os("INKRIG_MODEL").map(PathBuf::from));
-    let named = named.filter(|path| !path.as_os_str().is_empty());
+    let named = named_model(args.model.as_ref());
     let more = || [&args.report, &args.sheet].into_iter().flatten().map(PathBuf::as_path);
     let results = || std::iter::once(args.out.as_path()).chain(more());
     let inputs = [named.as_ref(), args.keypose3d.as_ref(), args.trajectory3d.as_ref()].into_iter().flatten();
@@ -54,7 +53,11 @@ pub(super) fn run(args: &GenerateArgs, run: &Run<'_>, console: &Console) -> Resu
         keypose: args.keypose3d.as_deref().map(|path| keypose(path, frames)).transpose()?,
         frames,
     };
-    let (options, encoder) = (model.options(args)?, model.read(args)?);
+    let options = model.options(args)?;
+    let encoder = model.read(args.text_model.as_deref())?;
+    if !model.has_control() && (args.keypose3d.is_some() || args.trajectory3d.is_some()) {
+        return Err(CliError::NoControl { path: model.path.clone() });
+    }
     drop(stage);
     let stage = console.stage("making the motion");
     let made = model.generate(args, &wanted, &options, encoder.as_ref())?;
@@ -109,28 +112,34 @@ trait Bytes: Read + Seek {}
 
 impl<T: Read + Seek> Bytes for T {}
 
+/// The model that is asked for by name: on the command line, or by INKRIG_MODEL.
+pub(in crate::commands) fn named_model(given: Option<&PathBuf>) -> Option<PathBuf> {
+    let named = given.cloned().or_else(|| std::env::var_os("INKRIG_MODEL").map(PathBuf::from));
+    named.filter(|path| !path.as_os_str().is_empty())
+}
+
 /// A model whose header is one that motions can be made with.
-struct Model {
-    path: PathBuf,
+pub(in crate::commands) struct Model {
+    pub(in crate::commands) path: PathBuf,
     base: ModelFile<Box<dyn Bytes>>,
     /// Weights that take the place of those of `base`.
     over: Option<ModelFile<Box<dyn Bytes>>>,
-    header: ModelHeader,
+    pub(in crate::commands) header: ModelHeader,
     configuration: Configuration,
-    features: Statistics,
+    pub(in crate::commands) features: Statistics,
     places: Statistics,
-    body: Joints,
+    pub(in crate::commands) body: Joints,
     networks: Option<Networks>,
 }
 
 impl Model {
     /// Reads the header, and no weights yet.
-    fn open(path: &Path) -> Result<Self, CliError> {
+    pub(in crate::commands) fn open(path: &Path) -> Result<Self, CliError> {
         Self::of(path, Box::new(inputs::open_large(path)?), None)
     }
 
     /// The one that comes inside the program; for few steps the one that was distilled for them.
-    fn shipped(steps: Option<StepsArg>) -> Result<Self, CliError> {
+    pub(in crate::commands) fn shipped(steps: Option<StepsArg>) -> Result<Self, CliError> {
         let quick = steps.is_some_and(|steps| steps != StepsArg::Ddim);
         let bytes = |own: Shipped| -> Result<Box<dyn Bytes>, CliError> {
             inputs::note(&own.path(), own.bytes)?;
@@ -188,20 +197,40 @@ impl Model {
     }
 
     /// Reads the weights, and whatever makes vectors of words.
-    fn read(&mut self, args: &GenerateArgs) -> Result<Box<dyn TextEncoder>, CliError> {
+    pub(in crate::commands) fn read(
+        &mut self,
+        text_model: Option<&Path>,
+    ) -> Result<Box<dyn TextEncoder>, CliError> {
         let wrong = |cause| CliError::Model { path: self.path.clone(), cause: Box::new(cause) };
         let mut weights: Tensors = self.base.tensors().map_err(wrong)?;
         if let Some(over) = &mut self.over {
             weights.extend(over.tensors().map_err(wrong)?);
         }
-        let encoder = text::encoder(&self.header, &weights, args.text_model.as_deref(), &self.path)?;
+        let encoder = text::encoder(&self.header, &weights, text_model, &self.path)?;
         let networks =
             Networks::new(&self.header.sizes, &weights).map_err(|cause| about(&self.path, cause))?;
-        if !networks.follows(Domain::Space) && (args.keypose3d.is_some() || args.trajectory3d.is_some()) {
-            return Err(CliError::NoControl { path: self.path.clone() });
-        }
         self.networks = Some(networks);
         Ok(encoder)
+    }
+
+    fn has_control(&self) -> bool {
+        self.networks.as_ref().is_some_and(|networks| networks.follows(Domain::Space))
+    }
+
+    /// The networks, once they are read.
+    pub(in crate::commands) fn networks(&self) -> Result<&Networks, CliError> {
+        let missing = || about(&self.path, GenerateError::MissingTensor { name: "vae".into() });
+        self.networks.as_ref().ok_or_else(missing)
+    }
+
+    /// What the encoder of words is told.
+    pub(in crate::commands) fn description(&self, word: &str) -> String {
+        text::description(&self.header, &self.configuration, word)
+    }
+
+    /// Frames of the clips that it was trained with, as far as it can make them.
+    pub(in crate::commands) fn usual_frames(&self) -> usize {
+        self.configuration.sampling.frames.min(self.header.sizes.most_frames())
     }
 
     fn generate(
@@ -211,14 +240,12 @@ impl Model {
         options: &SamplingOptions,
         encoder: &dyn TextEncoder,
     ) -> Result<Made, CliError> {
-        let Some(networks) = &self.networks else {
-            return Err(about(&self.path, GenerateError::MissingTensor { name: "vae".into() }));
-        };
+        let networks = self.networks()?;
         let wrong = |cause| about(&self.path, cause);
-        let description = text::description(&self.header, &self.configuration, &args.word);
+        let description = self.description(&args.word);
         let no_text = encoder.encode("").map_err(wrong)?;
         // As in training: a shorter clip is cut from one of the usual length.
-        let usual = self.configuration.sampling.frames.min(self.header.sizes.most_frames());
+        let usual = self.usual_frames();
         let request = Request {
             frames: wanted.frames.max(usual),
             text: encoder.encode(&description).map_err(wrong)?,
@@ -284,7 +311,7 @@ fn steps_of(asked: Option<StepsArg>, distilled: bool) -> Option<Steps> {
 }
 
 /// What the joints are called in VRM.
-const HUMANOID: [(&str, usize); 22] = [
+pub(in crate::commands) const HUMANOID: [(&str, usize); 22] = [
     ("hips", 0),
     ("spine", 3),
     ("chest", 6),
@@ -312,6 +339,6 @@ const HUMANOID: [(&str, usize); 22] = [
 /// Steps of models that were not distilled.
 const DDIM_STEPS: usize = 50;
 
-fn about(path: &Path, cause: GenerateError) -> CliError {
+pub(in crate::commands) fn about(path: &Path, cause: GenerateError) -> CliError {
     CliError::Generate { path: path.into(), cause: Box::new(cause) }
 }

@@ -1,0 +1,181 @@
+//! What is said of an animation that was made of a storyboard.
+
+use super::Made;
+use crate::cli::{ExactArg, StoryboardArgs};
+use crate::commands::generate::Model;
+use crate::printable::{self, counted, fixed, json_path};
+use crate::provenance::PROGRAM;
+use crate::span::seconds;
+use inkrig_generate::measures::{jerk, peak_jerk, skating};
+use inkrig_motion::humanml::{Joints, NAMES};
+use inkrig_motion::{Clip, kinematics};
+use inkrig_sketch::storyboard::End;
+use inkrig_storyboard::{Understood, misses};
+use serde::Serialize;
+
+/// What `--report` and `--json` hold; the names are stable. Lengths are metres.
+#[derive(Serialize)]
+pub(super) struct Record {
+    program: &'static str,
+    storyboard: String,
+    model: String,
+    model_sha256: String,
+    licence: String,
+    seed: u64,
+    exact: &'static str,
+    output: String,
+    seconds: f64,
+    frame_rate: f64,
+    frames: usize,
+    parts: Vec<Part>,
+    /// How often the motion was looked at to meet the lines after sampling.
+    meeting: Option<usize>,
+    /// The share of moments in which a standing foot slides.
+    skating: f64,
+    /// The largest third difference of a joint's place, metres per frame^3.
+    peak_jerk: f64,
+    pub(super) warnings: Vec<String>,
+}
+
+/// One frame of the storyboard.
+#[derive(Serialize)]
+struct Part {
+    word: String,
+    /// Where in the animation it begins, frames.
+    begins: usize,
+    frames: usize,
+    /// Which of its own frames has the drawn pose.
+    key_frame: Option<usize>,
+    /// What was read of the figure, on the canvas.
+    joints: Vec<Joint>,
+    trajectories: Vec<WayRecord>,
+    candidate: usize,
+    evaluations: usize,
+    /// Mean and largest distance on the picture between asked places and joints, as sampled.
+    sampled: [f32; 2],
+    /// The same in the animation.
+    result: [f32; 2],
+}
+
+#[derive(Serialize)]
+struct Joint {
+    name: &'static str,
+    x: f64,
+    y: f64,
+    confidence: f32,
+    pinned: bool,
+}
+
+#[derive(Serialize)]
+struct WayRecord {
+    joint: &'static str,
+    /// `start` or `end`: where on the line the figure is.
+    figure: &'static str,
+    /// First of the frame's own frames, and how many.
+    first: usize,
+    frames: usize,
+}
+
+impl Record {
+    pub(super) fn of(
+        args: &StoryboardArgs,
+        model: &Model,
+        understood: &[Understood],
+        made: &Made,
+        mut warnings: Vec<String>,
+    ) -> Self {
+        let motion = poses(&made.clip);
+        let name = |joint: usize| NAMES.get(joint).copied().unwrap_or_default();
+        let mut parts = Vec::new();
+        for (at, frame) in understood.iter().enumerate() {
+            let (Some(clip), Some(start), Some(goals)) =
+                (made.clips.get(at), made.joined.starts.get(at), made.goals.get(at))
+            else {
+                continue;
+            };
+            let joints = frame.figure.iter().flat_map(|figure| {
+                figure.joints.iter().enumerate().filter_map(|(joint, found)| {
+                    let found = (*found)?;
+                    let ([x, y], confidence, pinned) = (found.at, found.confidence, found.pinned);
+                    Some(Joint { name: name(joint), x, y, confidence, pinned })
+                })
+            });
+            let trajectories =
+                frame.attached.iter().zip(&clip.plan.ways).map(|(way, (joint, first, places))| {
+                    let figure = if way.figure == End::Start { "start" } else { "end" };
+                    WayRecord { joint: name(*joint), figure, first: *first, frames: places.len() }
+                });
+            let result = misses(&motion, goals);
+            if args.exact == ExactArg::Pin && result[1] > 0.01 {
+                warnings.push(format!(
+                    "frame {}: the lines are missed by up to {} cm: a person cannot be everywhere that is drawn at once. Look at the sheet for pins and lines that contradict each other",
+                    at + 1,
+                    fixed(100.0 * f64::from(result[1]), 1)
+                ));
+            }
+            parts.push(Part {
+                word: clip.plan.word.clone(),
+                begins: *start,
+                frames: clip.plan.frames,
+                key_frame: clip.plan.keypose.as_ref().map(|(frame, _)| *frame),
+                joints: joints.collect(),
+                trajectories: trajectories.collect(),
+                candidate: clip.candidate,
+                evaluations: clip.evaluations,
+                sampled: [clip.error, clip.worst],
+                result,
+            });
+        }
+        Self {
+            program: PROGRAM,
+            storyboard: json_path(&args.board),
+            model: model.header.name.clone(),
+            model_sha256: model.header.sha256.clone(),
+            licence: model.header.licence.clone(),
+            seed: args.seed,
+            exact: match args.exact {
+                ExactArg::Off => "off",
+                ExactArg::Soft => "soft",
+                ExactArg::Pin => "pin",
+            },
+            output: json_path(&args.out),
+            seconds: seconds(&made.clip),
+            frame_rate: made.clip.frame_rate(),
+            frames: made.clip.frames(),
+            parts,
+            meeting: made.met.as_ref().map(|met| met.evaluations),
+            skating: skating(&motion).ratio,
+            peak_jerk: peak_jerk(&jerk(&motion)),
+            warnings,
+        }
+    }
+
+    pub(super) fn text(&self) -> String {
+        let mut text = format!(
+            "wrote {}: {} s, {}; model {}, seed {}",
+            printable::text(&self.output),
+            fixed(self.seconds, 1),
+            counted(self.frames, "frame"),
+            printable::text(&self.model),
+            self.seed,
+        );
+        for (at, part) in self.parts.iter().enumerate() {
+            let word = if part.word.is_empty() { "(no word)" } else { &part.word };
+            let ways: Vec<&str> = part.trajectories.iter().map(|way| way.joint).collect();
+            let [mean, most] = part.result.map(|miss| fixed(100.0 * f64::from(miss), 1));
+            text += &format!("\n  {} {}: {}", at + 1, printable::text(word), counted(part.frames, "frame"));
+            if !ways.is_empty() {
+                text += &format!(", way of {}", ways.join(", "));
+            }
+            if part.key_frame.is_some() || !ways.is_empty() {
+                text += &format!("; {mean} cm off the drawing, {most} at most");
+            }
+        }
+        text
+    }
+}
+
+fn poses(clip: &Clip) -> Vec<Joints> {
+    let places = kinematics::positions(clip);
+    (0..clip.frames()).filter_map(|frame| places.frame(frame).try_into().ok()).collect()
+}
