@@ -17,7 +17,7 @@ const ROOT: f64 = 0.01;
 /// Steps of a foot that stands.
 const STAND: f64 = 40.0;
 /// How far such a foot is from where it stood.
-const STAY: f64 = 4.0;
+const STAY: f64 = 60.0;
 /// Feet below the floor.
 const FLOOR: f64 = 40.0;
 /// Goals that are only drawn to.

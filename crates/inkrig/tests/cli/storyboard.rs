@@ -45,7 +45,11 @@ fn what_is_wrong_is_said_and_nothing_is_written() {
         ("word.json", board("\"word\": \"kikc\""), "near ones are: kick"),
         ("broken.json", "{".into(), "line 1"),
         ("board.txt", String::new(), "what kind of file"),
-        ("board.svg", "<svg xmlns='http://www.w3.org/2000/svg'/>".into(), "no path or shape"),
+        (
+            "board.svg",
+            "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 9 9'/>".into(),
+            "no path or shape",
+        ),
     ] {
         std::fs::write(folder.join(name), content).unwrap();
         let output = inkrig(&folder, &["storyboard", name, "-o", "out.bvh", "--candidates", "1"]);
