@@ -5,6 +5,7 @@ use crate::error::Problem;
 use crate::figure::Figure;
 use crate::joints::joint_named;
 use crate::page::distance;
+use inkrig_generate::text::{VERBS, actions_in};
 use inkrig_motion::humanml::{JOINTS, NAMES};
 use inkrig_sketch::storyboard::{End, Frame, Trajectory};
 
@@ -12,6 +13,13 @@ use inkrig_sketch::storyboard::{End, Frame, Trajectory};
 const USUAL: [usize; 6] = [0, 10, 11, 15, 20, 21];
 /// How much nearer another joint has to be: a length, metres.
 const NEARER: f64 = 0.12;
+/// How much more of that the pelvis has where the word is of the whole body, metres: hands often rest beside it.
+const WHOLE: f64 = 0.15;
+/// Such words.
+const WHOLE_BODY: [&str; 14] = [
+    "walk", "run", "jog", "jump", "skip", "crawl", "crouch", "sit down", "stand up", "climb", "sneak",
+    "march", "limp", "step",
+];
 /// A line that begins and ends farther than this from every joint touches nothing, metres.
 const REACH: f64 = 0.3;
 /// Ends that differ by less than this share of the line in how near they are say nothing of where the figure is.
@@ -29,10 +37,17 @@ pub struct Way {
 }
 
 /// Attaches all lines of a frame; they agree on where the figure is.
-pub(crate) fn attach(frame: &Frame, figure: &Figure, scale: &Calibration) -> Result<Vec<Way>, Problem> {
+pub(crate) fn attach(
+    frame: &Frame,
+    word: &str,
+    figure: &Figure,
+    scale: &Calibration,
+) -> Result<Vec<Way>, Problem> {
+    let is_whole = |at: usize| VERBS.get(at).is_some_and(|verb| WHOLE_BODY.contains(&verb.name));
+    let whole = actions_in(word).into_iter().any(is_whole);
     let mut found = Vec::new();
     for (number, line) in frame.trajectories.iter().enumerate() {
-        found.push(nearest(number, line, figure, scale)?);
+        found.push(nearest(number, line, figure, scale, whole)?);
     }
     let said = |end: End| found.iter().find(|way| way.sure && way.figure == end);
     if let (Some(starts), Some(ends)) = (said(End::Start), said(End::End)) {
@@ -82,6 +97,7 @@ fn nearest(
     line: &Trajectory,
     figure: &Figure,
     scale: &Calibration,
+    whole: bool,
 ) -> Result<Near, Problem> {
     let number = trajectory + 1;
     let about =
@@ -101,8 +117,10 @@ fn nearest(
         figure.at(joint).map_or(f64::INFINITY, |at| distance(at, end) / scale.units)
     };
     // Nearness, with an advantage for joints whose ways are usually drawn.
-    let score =
-        |joint: usize, end: [f64; 2]| reach(joint, end) - if USUAL.contains(&joint) { NEARER } else { 0.0 };
+    let score = |joint: usize, end: [f64; 2]| {
+        let usual = if USUAL.contains(&joint) { NEARER } else { 0.0 };
+        reach(joint, end) - usual - if whole && joint == 0 { WHOLE } else { 0.0 }
+    };
     let named = line.joint.as_deref().map(joint_named).transpose().map_err(about)?;
     let best = |end: [f64; 2]| {
         let nearest = (0..JOINTS).min_by(|a, b| score(*a, end).total_cmp(&score(*b, end)));

@@ -173,7 +173,7 @@ fn plan(
         Problem::new("the figure's size cannot be told", "Draw a trunk and legs, or pin pelvis and neck")
     })?;
     pins_can_be(&figure, &scale, body)?;
-    let attached = attach(frame, &figure, &scale)?;
+    let attached = attach(frame, &empty.word, &figure, &scale)?;
     let pose = proportioned(&figure, &scale, body);
     let drawn: Vec<_> =
         attached.iter().map(|way| (way, duration(frame, way, &empty.word, &scale, &attached))).collect();
