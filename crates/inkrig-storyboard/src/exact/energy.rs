@@ -12,7 +12,7 @@ const SMOOTH: f64 = 100.0;
 /// Change of speed a frame.
 const STEADY: f64 = 0.5;
 /// Change of place relative to the pelvis, and of the pelvis.
-const NEAR: f64 = 0.02;
+const NEAR: f64 = 0.05;
 const ROOT: f64 = 0.01;
 /// Steps of a foot that stands.
 const STAND: f64 = 40.0;
