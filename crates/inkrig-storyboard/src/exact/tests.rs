@@ -98,7 +98,7 @@ fn a_drawn_way_is_met_with_bones_feet_and_the_rest_as_they_were() {
             assert!(moved < 0.03, "{frame}: {foot} by {moved}");
         }
         let moved = pose[21].distance(motion[frame][21]);
-        assert!(moved < 0.25, "{frame}: the other hand by {moved}");
+        assert!(moved < 0.35, "{frame}: the other hand by {moved}, where this one goes by .5");
     }
     let jerk = inkrig_generate::measures::jerk(&met.motion);
     assert!(jerk.iter().all(|jerk| *jerk < 0.03), "{jerk:?}");
