@@ -59,6 +59,9 @@ pub struct GenerateArgs {
     /// Whether the motion is drawn to the trajectory at every step [default: soft]
     #[arg(long)]
     pub guidance: Option<GuidanceArg>,
+    /// Whether feet are put on the floor and kept where they stand, or left as the model makes them
+    #[arg(long, value_enum, default_value_t = GroundArg::On)]
+    pub ground: GroundArg,
     /// For models that take T5's or CLIP's text: a folder with its config.json, tokenizer.json and model.safetensors
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     pub text_model: Option<PathBuf>,
@@ -99,4 +102,13 @@ pub enum GuidanceArg {
     Off,
     /// Drawn to them at every step.
     Soft,
+}
+
+/// What happens to feet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum GroundArg {
+    /// On the floor, and still while they stand.
+    On,
+    /// As they come.
+    Off,
 }

@@ -126,6 +126,32 @@ fn motions_are_made_again_from_their_records() {
 }
 
 #[test]
+fn feet_are_on_the_floor_unless_they_shall_stay_as_they_come() {
+    let (_keep, folder) = studio();
+    let made = |ground: &str, out: &str| {
+        let more = ["--ground", ground, "-o", out, "--report", "r.json", "--force"];
+        let output = inkrig(&folder, &[&WORD[..5], &more].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let report = std::fs::read(folder.join("r.json")).unwrap();
+        let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+        (text(&output.stdout), report["ground"].clone(), std::fs::read(folder.join(out)).unwrap())
+    };
+    let (said, ground, on) = made("on", "on.bvh");
+    assert!(said.contains("feet on the floor: body raised or lowered by"), "{said}");
+    for name in ["height_mm", "travel_mm", "lower_foot_mm", "skating"] {
+        assert!(ground[name].as_array().unwrap().iter().all(serde_json::Value::is_f64), "{name}: {ground}");
+    }
+    let (said, ground, off) = made("off", "off.bvh");
+    assert!(!said.contains("feet on the floor") && ground.is_null() && on != off, "{said}");
+    for (name, bytes) in [("on.bvh", on), ("off.bvh", off)] {
+        let record = format!("{name}.inkrig.json");
+        let redone = inkrig(&folder, &["redo", &record, "-o", "again.bvh", "--force"]);
+        assert!(redone.status.success(), "{}", text(&redone.stderr));
+        assert_eq!(std::fs::read(folder.join("again.bvh")).unwrap(), bytes);
+    }
+}
+
+#[test]
 fn conditions_move_the_motion_and_guidance_brings_it_nearer() {
     let (_keep, folder) = studio();
     let pose = serde_json::json!({ "frame": 12, "joints": vec![[0.2, 0.9, 0.1]; JOINTS] });

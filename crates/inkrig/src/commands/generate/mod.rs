@@ -1,10 +1,11 @@
 //! `inkrig generate`: a motion from a word, a key pose and trajectories in space.
 
 mod conditions;
+mod ground;
 mod record;
 pub(super) mod text;
 
-use crate::cli::{GenerateArgs, GuidanceArg, StepsArg};
+use crate::cli::{GenerateArgs, GroundArg, GuidanceArg, StepsArg};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::printable;
@@ -15,6 +16,7 @@ use crate::sheet::{SheetOptions, contact_sheet};
 use crate::shipped::{CLEAN, QUICK, Shipped};
 use crate::{inputs, load, names, results};
 use conditions::{KeyPose, keypose, trajectory};
+use ground::{GroundRecord, ground};
 use inkrig_formats::{ExportOptions, HumanBone, write_motion};
 use inkrig_generate::checkpoint::{CheckpointError, ModelFile, ModelHeader};
 use inkrig_generate::configuration::Configuration;
@@ -106,6 +108,8 @@ struct Wanted {
 struct Made {
     clip: Clip,
     guided: Vec<Guided>,
+    /// What was done to put its feet on the floor.
+    ground: Option<GroundRecord>,
 }
 
 trait Bytes: Read + Seek {}
@@ -261,13 +265,22 @@ impl Model {
         let mut rows = decoding.features().to_vec();
         rows.truncate(wanted.frames * WIDTH);
         self.features.restore(&mut rows);
-        let clip = self.clip(rows).map_err(|cause| wrong(cause.into()))?;
-        Ok(Made { clip, guided: sampled.guided })
+        let mut made = Made {
+            clip: self.clip(&rows).map_err(|cause| wrong(cause.into()))?,
+            guided: sampled.guided,
+            ground: None,
+        };
+        if args.ground == GroundArg::On {
+            let grounded = ground(&made.clip, &rows, wanted, options.semantics);
+            let (clip, record) = grounded.map_err(|cause| wrong(cause.into()))?;
+            (made.clip, made.ground) = (clip, Some(record));
+        }
+        Ok(made)
     }
 
     /// The motion on the model's body, by the joints' places: those are what conditions and guidance are about.
-    fn clip(&self, rows: Vec<f32>) -> Result<Clip, inkrig_motion::MotionError> {
-        let frames = recover_positions(&Features::new(rows, WIDTH)?)?;
+    fn clip(&self, rows: &[f32]) -> Result<Clip, inkrig_motion::MotionError> {
+        let frames = recover_positions(&Features::new(rows.to_vec(), WIDTH)?)?;
         to_clip(&frames, &Arc::new(skeleton(&self.body, &frames)?), FRAME_RATE)
     }
 }

@@ -1,5 +1,6 @@
 //! What is said of a motion that was generated.
 
+use super::ground::GroundRecord;
 use super::{Made, Wanted};
 use crate::cli::GenerateArgs;
 use crate::printable::{self, counted, fixed, json_path};
@@ -7,6 +8,7 @@ use crate::provenance::PROGRAM;
 use crate::read_back::ReadBack;
 use crate::span::seconds;
 use inkrig_generate::checkpoint::ModelHeader;
+use inkrig_generate::guidance::Ask;
 use inkrig_generate::sampling::{SamplingOptions, Steps};
 use inkrig_generate::text::{VERBS, actions_in};
 use inkrig_motion::glam::Vec3;
@@ -34,6 +36,8 @@ pub(super) struct Record {
     seconds: f64,
     keypose: Option<KeyposeRecord>,
     trajectory: Option<TrajectoryRecord>,
+    /// How feet were put on the floor; none where they were left as they came.
+    ground: Option<GroundRecord>,
     /// The file read again and compared, for formats that are read.
     read_back: Option<ReadBack>,
     warnings: Vec<String>,
@@ -78,27 +82,18 @@ impl Record {
             Steps::Ddim(steps) => ("ddim", steps),
             Steps::Lcm(steps) => ("lcm", steps),
         };
-        let poses = poses(clip);
-        let distance = |frame: usize, joint: usize, place: Vec3| {
-            poses
-                .get(frame)
-                .and_then(|pose| pose.get(joint))
-                .map_or(0.0, |own| f64::from(own.distance(place)))
-        };
+        let poses = clip_poses(clip);
         let keypose = wanted.keypose.as_ref().map(|pose| {
             let own = poses.get(pose.frame).map_or([Vec3::ZERO; JOINTS], |own| centred(&augment(own)));
             let sum: f32 =
                 own.iter().zip(centred(&pose.joints)).map(|(own, wanted)| own.distance(wanted)).sum();
             KeyposeRecord { frame: pose.frame, mean_error_metres: f64::from(sum) / JOINTS as f64 }
         });
-        let trajectory = wanted.trajectory.as_ref().map(|asks| {
-            let sum: f64 = asks.iter().map(|ask| distance(ask.frame, ask.joint, ask.place)).sum();
-            TrajectoryRecord {
-                points: asks.len(),
-                mean_error_metres: sum / asks.len().max(1) as f64,
-                guided: options.guidance.is_some(),
-                evaluations: made.guided.iter().map(|guided| guided.evaluations).sum(),
-            }
+        let trajectory = wanted.trajectory.as_ref().map(|asks| TrajectoryRecord {
+            points: asks.len(),
+            mean_error_metres: trajectory_error(&poses, asks),
+            guided: options.guidance.is_some(),
+            evaluations: made.guided.iter().map(|guided| guided.evaluations).sum(),
         });
         Self {
             program: PROGRAM,
@@ -123,6 +118,7 @@ impl Record {
             seconds: seconds(clip),
             keypose,
             trajectory,
+            ground: made.ground.clone(),
             read_back,
             warnings,
         }
@@ -147,6 +143,9 @@ impl Record {
             let (points, off) = (counted(*points, "point"), fixed(1e2 * mean_error_metres, 1));
             let _ = write!(text, "\n  trajectory, {points}: {off} cm off");
         }
+        if let Some(ground) = &self.ground {
+            let _ = write!(text, "\n  {}", ground.text());
+        }
         if !self.model.licence.is_empty() {
             let _ = write!(text, "\n  licence of the model: {}", printable::text(&self.model.licence));
         }
@@ -154,7 +153,17 @@ impl Record {
     }
 }
 
-fn poses(clip: &Clip) -> Vec<Joints> {
+/// Mean distance of joints from where they were asked to be, metres.
+pub(super) fn trajectory_error(motion: &[Joints], asks: &[Ask]) -> f64 {
+    let distance = |ask: &Ask| {
+        let own = motion.get(ask.frame).and_then(|pose| pose.get(ask.joint));
+        own.map_or(0.0, |own| f64::from(own.distance(ask.place)))
+    };
+    asks.iter().map(distance).sum::<f64>() / asks.len().max(1) as f64
+}
+
+/// The joints of a clip that was generated, a row a frame.
+pub(super) fn clip_poses(clip: &Clip) -> Vec<Joints> {
     let places = kinematics::positions(clip);
     (0..clip.frames()).filter_map(|frame| places.frame(frame).try_into().ok()).collect()
 }
