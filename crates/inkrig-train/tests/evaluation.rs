@@ -60,7 +60,8 @@ fn real_motion_has_no_errors_and_a_random_model_has_large_ones() {
     let sampling = SamplingOptions { steps: Steps::Ddim(2), guidance: None, ..SamplingOptions::default() };
     let mut table = ControlTable { rows: Vec::new() };
     for (protocol, clips) in [(Protocol::Average, 12), (Protocol::Cross, 2)] {
-        let options = |plane| ControlOptions { protocol, plane, sampling: sampling.clone(), seed: 3 };
+        let options =
+            |plane| ControlOptions { protocol, plane, footing: plane, sampling: sampling.clone(), seed: 3 };
         let [real, back] = bounds(&setup.networks.vae, &setup.features, &windows, &options(false)).unwrap();
         assert_eq!((real.clips, real.pose, real.places, real.failed), (clips, [0.0; 2], [0.0; 2], [0.0; 2]));
         assert!(back.pose[0] > 0.05 && back.places[0] > 0.05);
@@ -81,7 +82,8 @@ fn real_motion_has_no_errors_and_a_random_model_has_large_ones() {
         }
     }
     assert_eq!(table.text().lines().count(), 6);
-    let options = ControlOptions { protocol: Protocol::Cross, plane: false, sampling, seed: 3 };
+    let options =
+        ControlOptions { protocol: Protocol::Cross, plane: false, footing: true, sampling, seed: 3 };
     let stopped = control(&sampler, &setup.places, &setup.texts, &windows, &options, &|_, _| false);
     assert!(matches!(stopped, Err(TrainError::Stopped)));
 }

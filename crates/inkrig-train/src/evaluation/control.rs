@@ -14,7 +14,10 @@ use inkrig_generate::schedule::Noise;
 use inkrig_generate::text::TextEncoder;
 use inkrig_motion::Features;
 use inkrig_motion::glam::Vec3;
-use inkrig_motion::humanml::{Camera, JOINTS, Joints, Statistics, WIDTH, augment, recover_positions};
+use inkrig_motion::humanml::{
+    Blocks, Camera, FRAME_RATE, JOINTS, Joints, Kept, Statistics, WIDTH, augment, keep_footing,
+    recover_positions,
+};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -43,6 +46,8 @@ pub struct ControlOptions {
     pub plane: bool,
     /// How clips are sampled.
     pub sampling: SamplingOptions,
+    /// Whether feet are put on the floor behind it.
+    pub footing: bool,
     /// Of noise, cameras and joints.
     pub seed: u64,
 }
@@ -198,12 +203,28 @@ fn generate(
     sampler.networks.vae.decode(&latents, &lengths, &mut decoding)?;
     let mut rest = decoding.features();
     let mut made = Vec::with_capacity(batch.len());
-    for length in lengths {
+    for (length, asked) in lengths.into_iter().zip(batch) {
         let (own, others) = rest.split_at(length * WIDTH);
         rest = others;
         let mut rows = own.to_vec();
         sampler.features.restore(&mut rows);
-        made.push(recover_positions(&Features::new(rows, WIDTH)?)?);
+        let contacts =
+            rows.chunks_exact(WIDTH).map(|row| std::array::from_fn(|at| row[Blocks::CONTACTS.start + at]));
+        let contacts: Vec<[f32; 4]> = contacts.collect();
+        let joints = recover_positions(&Features::new(rows, WIDTH)?)?;
+        if !options.footing {
+            made.push(joints);
+            continue;
+        }
+        // On the picture nobody says how deep a joint is: it stays where it came to be.
+        let places = if options.plane { &joints } else { &asked.window.joints };
+        let mut kept = Vec::new();
+        for (frame, places) in places.iter().enumerate().take(length) {
+            let pose = frame == asked.window.key_pose;
+            let own = (0..JOINTS).filter(|joint| pose || asked.joints.contains(joint));
+            kept.extend(own.map(|joint| Kept { frame, joint, place: places[joint] }));
+        }
+        made.push(keep_footing(&joints, &contacts, FRAME_RATE, &kept)?.frames);
     }
     Ok(made)
 }

@@ -82,29 +82,33 @@ fn of_control(
     };
     let mut table = ControlTable { rows: Vec::new() };
     for &protocol in protocols {
-        let options = |plane, guidance| ControlOptions {
+        let options = |plane, guidance, footing| ControlOptions {
             protocol,
             plane,
+            footing,
             sampling: SamplingOptions { guidance, ..sampling.clone() },
             seed,
         };
-        let [real, back] = bounds(&networks.vae, &model.features, &windows, &options(false, None))?;
+        let [real, back] = bounds(&networks.vae, &model.features, &windows, &options(false, None, false))?;
         table.rows.push(("real motion".into(), protocol, real));
         table.rows.push(("through the autoencoder".into(), protocol, back));
-        let mut runs = vec![("conditions in space", false, None)];
+        let guided = &sampling.guidance;
+        let mut runs = vec![("conditions in space", false, None, false)];
         if networks.follows(Domain::Plane) {
-            runs.push(("conditions of a picture", true, None));
-            runs.push(("conditions of a picture, guided", true, sampling.guidance.clone()));
+            runs.push(("conditions of a picture", true, None, false));
+            runs.push(("conditions of a picture, guided", true, guided.clone(), false));
+            runs.push(("conditions of a picture, guided, feet put on the floor", true, guided.clone(), true));
         }
-        runs.push(("conditions in space, guided", false, sampling.guidance.clone()));
-        for (name, plane, guidance) in runs {
+        runs.push(("conditions in space, guided", false, guided.clone(), false));
+        runs.push(("conditions in space, guided, feet put on the floor", false, guided.clone(), true));
+        for (name, plane, guidance, footing) in runs {
             let bar = console.bar(name);
             let row = control(
                 &sampler,
                 &model.places,
                 texts.as_ref(),
                 &windows,
-                &options(plane, guidance),
+                &options(plane, guidance, footing),
                 &|done, all| bar.at(done, all).is_continue(),
             )?;
             table.rows.push((name.into(), protocol, row));
