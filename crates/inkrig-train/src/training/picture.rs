@@ -140,7 +140,12 @@ mod tests {
         };
         let joints: Vec<Joints> = (0..5).map(pose).collect();
         let asked = vec![(1, 10), (2, 10)];
-        Drawn { joints, asked, frame: Some(3), ..Drawn::default() }
+        let request =
+            Request { frames: 5, text: Vec::new(), view: View::Space, trajectory: Vec::new(), keypose: None };
+        let places = Statistics::new(vec![0.0; 66], vec![1.0; 66]).unwrap();
+        let conditions = Conditions::new(&request, &places, Semantics::Paper).unwrap();
+        let (trajectory, keypose) = Default::default();
+        Drawn { joints, asked, frame: Some(3), places: Vec::new(), trajectory, keypose, conditions }
     }
 
     #[test]
