@@ -37,7 +37,7 @@ mod tests {
             assert!((ankle.distance(knee) - leg[2].distance(leg[1])).abs() < 1e-6);
             assert!((ankle - leg[0]).angle_between(goal - leg[0]) < 1e-3);
             let side = (knee - leg[0]).reject_from(goal - leg[0]);
-            assert!(side.z > 0.0, "{side}");
+            assert!(side.dot(leg[1] - leg[0]) > 0.0, "{side}");
         }
         assert_eq!(two_bone(leg, leg[0], 0.999, Vec3::Z), None);
         assert_eq!(two_bone([Vec3::Y; 3], leg[0], 0.999, Vec3::Z), None);

@@ -7,7 +7,6 @@
 mod body;
 mod energy;
 
-use crate::error::StoryboardError;
 use body::Variables;
 use energy::Energy;
 use inkrig_generate::guidance::{Lbfgs, LbfgsOptions};
@@ -85,15 +84,14 @@ pub struct Met {
 
 /// Moves a clip of the model's skeleton to its goals.
 ///
-/// # Errors
-/// When the clip's skeleton is not of 22 joints.
-pub fn meet(clip: &Clip, goals: &[Goal], options: &MeetOptions) -> Result<Met, StoryboardError> {
+/// A clip of another skeleton stays as it is, as its misses say.
+pub fn meet(clip: &Clip, goals: &[Goal], options: &MeetOptions) -> Met {
     let motion = joints_of(clip);
     let goals: Vec<Goal> =
         goals.iter().filter(|goal| goal.frame < motion.len() && goal.joint < JOINTS).copied().collect();
     let before = misses(&motion, &goals);
     if goals.is_empty() || clip.skeleton().len() != JOINTS {
-        return Ok(Met { motion, before, after: before, evaluations: 0 });
+        return Met { motion, before, after: before, evaluations: 0 };
     }
     let variables = Variables::of(clip);
     let mut x = variables.start(clip);
@@ -117,7 +115,7 @@ pub fn meet(clip: &Clip, goals: &[Goal], options: &MeetOptions) -> Result<Met, S
     }
     let motion = variables.joints(&x);
     let after = misses(&motion, &goals);
-    Ok(Met { motion, before, after, evaluations })
+    Met { motion, before, after, evaluations }
 }
 
 /// All joints of all frames.

@@ -207,12 +207,12 @@ fn one_figure(strokes: &[Stroke]) -> Result<(), Problem> {
             }
         }
     }
-    let mut heights: Vec<f64> = (0..strokes.len())
-        .filter_map(|number| {
-            let own = all.iter().filter(|(stroke, _)| group[*stroke] == number).map(|(_, point)| point);
-            bounds(own).map(|(low, high)| high[1] - low[1])
-        })
-        .collect();
+    let mut spans: Vec<Option<[f64; 2]>> = vec![None; strokes.len()];
+    for (stroke, point) in &all {
+        let span = spans[group[*stroke]].get_or_insert([point[1]; 2]);
+        *span = [span[0].min(point[1]), span[1].max(point[1])];
+    }
+    let mut heights: Vec<f64> = spans.into_iter().flatten().map(|[low, high]| high - low).collect();
     heights.sort_by(|a, b| b.total_cmp(a));
     match heights[..] {
         [tallest, second, ..] if second > AS_TALL * tallest => Err(Problem::new(

@@ -12,6 +12,8 @@ const QUICKER: f64 = 0.25;
 const PIECES: usize = 256;
 /// Frames of the shortest way.
 pub(crate) const LEAST: usize = 4;
+/// And no more: far beyond what a model can make, so that a pen's time cannot ask for memory without end.
+const MOST: usize = 20_000;
 
 /// A way as it is travelled: arc length over time, canvas units and seconds.
 #[derive(Debug, Clone)]
@@ -61,10 +63,10 @@ pub(crate) fn timed(line: &Stroke, speed: f64, beside: &[&Stroke]) -> Timed {
 }
 
 impl Timed {
-    /// How many frames it takes, at least [`LEAST`].
+    /// How many frames it takes, at least [`LEAST`]; none more than [`MOST`], which no model makes.
     pub(crate) fn frames(&self) -> usize {
         let seconds = self.seconds.last().copied().unwrap_or(0.0);
-        ((seconds * FRAME_RATE).round() as usize).max(LEAST)
+        ((seconds * FRAME_RATE).round() as usize).clamp(LEAST, MOST)
     }
 
     /// A point a frame, from the first to the last.

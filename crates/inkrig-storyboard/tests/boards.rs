@@ -91,7 +91,7 @@ fn all_storyboards_become_motions_that_meet_what_was_drawn() {
                 clip.plan.asks().iter().map(goal).collect::<Vec<_>>()
             })
             .collect();
-        let met = meet(&clip, &goals, &MeetOptions::default()).unwrap();
+        let met = meet(&clip, &goals, &MeetOptions::default());
         let soft: Vec<f32> = clips.iter().map(|clip| clip.error).collect();
         println!(
             "{}: {} frames, soft {soft:.3?}, pinned {:.4?}",

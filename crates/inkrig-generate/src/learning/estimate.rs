@@ -54,7 +54,7 @@ pub struct EstimateObjective {
 pub struct EstimateLosses {
     /// What is made small.
     pub total: f64,
-    /// See [`EstimateObjective::velocity`].
+    /// See [`EstimateObjective::velocity`]; samples that were rolled count as without error.
     pub velocity: f64,
     /// See [`EstimateObjective::estimate`].
     pub estimate: f64,

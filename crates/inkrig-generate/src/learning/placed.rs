@@ -88,7 +88,9 @@ impl<'a> Placed<'a> {
             of_joints.clear();
             of_joints.resize(asked.frames * PLACES, 0.0);
             let joints = &self.places.joints;
-            for &(frame, joint) in asked.trajectory.iter().filter(|(frame, _)| *frame < asked.frames) {
+            for &(frame, joint) in
+                asked.trajectory.iter().filter(|(frame, joint)| *frame < asked.frames && *joint < JOINTS)
+            {
                 let at = frame * PLACES + 3 * joint;
                 let (distance, slope) = distance(|axis| joints[at + axis] - target[at + axis]);
                 sums.trajectory += each.0 * distance;

@@ -68,7 +68,7 @@ pub fn told(
     let mut told = vec![0.0; TOLD];
     let (slots, rest) = told.split_at_mut(SLOTS * SLOT);
     for (frame, row) in trajectory.iter().filter(|(frame, _)| *frame < frames) {
-        for (joint, place) in row.chunks_exact(3).enumerate() {
+        for (joint, place) in row.chunks_exact(3).enumerate().take(JOINTS) {
             if place.iter().any(|number| *number != 0.0) {
                 add_to_slots(slots, (*frame, frames), joint, place);
             }

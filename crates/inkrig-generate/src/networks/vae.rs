@@ -107,6 +107,9 @@ impl Vae {
         decoding: &mut Decoding,
     ) -> Result<(), GenerateError> {
         let Some(path) = &self.path else { return self.decode(latents, lengths, decoding) };
+        for &frames in lengths {
+            check_length("frames of a clip", frames, 1, self.sizes.most_frames())?;
+        }
         let expected = lengths.len() * self.latent_width();
         if latents.len() != expected {
             return Err(GenerateError::Length { what: "latents of clips", expected, got: latents.len() });

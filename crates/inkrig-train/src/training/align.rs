@@ -257,8 +257,12 @@ impl<'a> Stage for AlignStage<'a> {
         let mut draw = Noise::new(seed);
         let drawer = Drawer { features: &self.base.features, places: &self.base.places };
         // All have both; which are asked for is as in the stage before.
-        let before =
-            ControlSettings { trajectory_dropped: 0.0, keypose_dropped: 0.0, ..ControlSettings::default() };
+        let before = ControlSettings {
+            trajectory_dropped: 0.0,
+            keypose_dropped: 0.0,
+            any_joints: 0.0,
+            ..ControlSettings::default()
+        };
         let (mut drawn, mut pictures, mut chosen) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..count {
             let window = self.latents.pick(&mut draw);

@@ -24,7 +24,7 @@ use std::path::Path;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct EstimateSettings {
-    /// Numbers of a row in its networks; 0: ControlNet and adapter, as published.
+    /// Numbers of a row in its networks; 0: ControlNet and adapter, as published. A model that has control already keeps its own.
     pub width: usize,
     /// Share of numbers that are dropped.
     pub dropout: f64,
@@ -133,7 +133,7 @@ pub(super) struct EstimateStage<'a> {
 }
 
 impl EstimateStage<'_> {
-    /// Runs it; weights begin at random, those on the picture as copies of those in space.
+    /// Runs it; weights begin as they are in the base, those on the picture as copies of those in space, at random where neither is there.
     pub(super) fn run(&self, place: &Place<'_>, progress: &mut OnStep<'_>) -> Result<Report, TrainError> {
         let first = match place.from {
             Some(path) => self.own_of(&read_weights(path)?.1),
@@ -292,6 +292,10 @@ impl<'a> Stage for EstimateStage<'a> {
     }
 
     fn write(&self, path: &Path, weights: &Tensors) -> Result<(), TrainError> {
-        write_weights(path, &merged(&self.base.weights, weights), &self.base.header)
+        let all = merged(&self.base.weights, weights);
+        // An estimator of pictures belongs to the correction that it was trained with.
+        let stale = |name: &str| self.told.domain() == Domain::Space && name.starts_with("estimate.plane.");
+        let kept = all.into_iter().filter(|(name, _)| !stale(name)).collect();
+        write_weights(path, &kept, &self.base.header)
     }
 }

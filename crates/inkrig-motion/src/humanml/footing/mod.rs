@@ -50,8 +50,8 @@ impl Footing {
 ///
 /// `contacts` are a network's opinion of left ankle, left foot, right ankle, right foot, from 0 (moves) to 1 (stands), in
 /// the order of [`Blocks::CONTACTS`](super::Blocks::CONTACTS); none for frames beyond its end. They are a hint among others: heights and speeds count more.
-/// `kept` joints are brought no farther from their places than they were by moving the body, and stay as they are
-/// otherwise; those of frames beyond the motion do not count.
+/// `kept` joints are, on average over a frame, brought no farther from the heights that they are asked to have than they were by moving the body, and
+/// stay as they are otherwise; those of frames beyond the motion do not count.
 ///
 /// # Errors
 /// When a position is not finite, the rate is none that a clip may have, or a kept joint is none of the body's.

@@ -203,7 +203,7 @@ fn make(
     if args.exact == ExactArg::Pin {
         let _stage = console.stage("meeting the lines");
         let all: Vec<Goal> = goals.iter().flatten().copied().collect();
-        let done = meet(&clip, &all, &MeetOptions::default()).map_err(&wrong)?;
+        let done = meet(&clip, &all, &MeetOptions::default());
         clip = to_clip(&done.motion, &rig, FRAME_RATE)?;
         met = Some(done);
     }
