@@ -88,4 +88,16 @@ pub enum GenerateError {
         /// What is possible.
         needed: &'static str,
     },
+    /// Nothing to train on.
+    #[error("no {kind} device is there: install its driver, or train on another device")]
+    NoDevice {
+        /// The kind that was asked for.
+        kind: String,
+    },
+    /// A device that stopped working.
+    #[error("the device that is trained on gave up: {reason}")]
+    Device {
+        /// In its driver's words.
+        reason: String,
+    },
 }

@@ -105,7 +105,7 @@ pub fn spectrum(features: &[f32], cosines: usize) -> Vec<f32> {
 }
 
 /// Frames x `cosines`: `cos(pi k (t + 1/2) / frames)`, 0 where a clip is too short for a wave.
-fn waves(frames: usize, cosines: usize) -> Vec<f32> {
+pub(crate) fn waves(frames: usize, cosines: usize) -> Vec<f32> {
     let mut waves = Vec::with_capacity(frames * cosines);
     for frame in 0..frames {
         let wave = |k: usize| (PI * k as f64 * (frame as f64 + 0.5) / frames as f64).cos() as f32;

@@ -36,6 +36,8 @@ pub(crate) use estimate::{CorrectionTape, MISSED, missed, missed_back};
 pub(crate) use estimate_gradient::EstimatorTape;
 pub(crate) use linear::Linear;
 pub use linear_path::spectrum;
+#[cfg(feature = "train")]
+pub(crate) use linear_path::waves;
 pub use names::{Parts, TensorSpec, tensors};
 pub use sizes::Sizes;
 pub(crate) use stack::{Residuals, SideGradients};

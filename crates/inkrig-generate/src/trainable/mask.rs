@@ -1,5 +1,6 @@
 //! Which frames of a batch are there.
 
+use crate::networks::waves;
 use burn::tensor::{Device, Tensor, TensorData};
 
 /// What a padded place is given before a softmax: so little that it gets nothing.
@@ -42,6 +43,26 @@ impl FrameMask {
     pub(crate) fn bias(&self, tokens: usize, device: &Device) -> Option<Tensor<4>> {
         let width = tokens + self.frames;
         self.table(tokens, [0.0, NEVER], device).map(|table| table.reshape([self.clips(), 1, 1, width]))
+    }
+
+    /// Clips x frames x `cosines`: cosines over each clip's own time, 0 behind its end.
+    pub(crate) fn waves(&self, cosines: usize, device: &Device) -> Tensor<3> {
+        let mut numbers = Vec::with_capacity(self.clips() * self.frames * cosines);
+        for (clip, &length) in self.lengths.iter().enumerate() {
+            numbers.extend(waves(length, cosines));
+            numbers.resize((clip + 1) * self.frames * cosines, 0.0);
+        }
+        Tensor::from_data(TensorData::new(numbers, [self.clips(), self.frames, cosines]), device)
+    }
+
+    /// Clips x 1 x `cosines`: what the sums of a clip times its waves are to be multiplied by to be amplitudes.
+    pub(crate) fn amplitudes(&self, cosines: usize, device: &Device) -> Tensor<3> {
+        let of_clip = |&length: &usize| {
+            let each = 1.0 / length.max(1) as f32;
+            (0..cosines).map(move |at| if at == 0 { each } else { 2.0 * each })
+        };
+        let numbers: Vec<f32> = self.lengths.iter().flat_map(of_clip).collect();
+        Tensor::from_data(TensorData::new(numbers, [self.clips(), 1, cosines]), device)
     }
 
     fn table(&self, tokens: usize, [there, padded]: [f32; 2], device: &Device) -> Option<Tensor<1>> {

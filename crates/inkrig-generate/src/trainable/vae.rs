@@ -1,6 +1,7 @@
 //! The variational autoencoder, for training.
 
 use super::layers::{Positions, Source, Stack};
+use super::linear_path::LinearPath;
 use super::mask::FrameMask;
 use super::named::{parameter, to_tensors};
 use crate::GenerateError;
@@ -21,6 +22,7 @@ pub struct TrainableVae {
     decoder: Stack,
     skel_embedding: Linear,
     final_layer: Linear,
+    linear_path: Option<LinearPath>,
     latent_tokens: usize,
 }
 
@@ -41,10 +43,6 @@ impl TrainableVae {
             let (setting, value) = ("dropout", dropout.to_string());
             return Err(GenerateError::Setting { setting, value, needed: "from 0 to below 1" });
         }
-        if sizes.cosines > 0 {
-            let (setting, value) = ("cosines", sizes.cosines.to_string());
-            return Err(GenerateError::Setting { setting, value, needed: "0: there is no linear path here" });
-        }
         let source = Source { weights, sizes, dropout, device };
         let tokens = [2 * sizes.latent_tokens, sizes.width];
         Ok(Self {
@@ -55,6 +53,7 @@ impl TrainableVae {
             decoder: source.stack("vae.decoder", sizes.vae_blocks, true)?,
             skel_embedding: source.linear("vae.skel_embedding", sizes.width, WIDTH)?,
             final_layer: source.linear("vae.final_layer", WIDTH, sizes.width)?,
+            linear_path: LinearPath::new(source)?,
             latent_tokens: sizes.latent_tokens,
         })
     }
@@ -66,11 +65,15 @@ impl TrainableVae {
         let [clips, frames, _] = features.dims();
         let tokens = 2 * self.latent_tokens;
         let own = self.global_motion_token.val().unsqueeze::<3>().repeat_dim(0, clips);
-        let x = Tensor::cat(vec![own, self.skel_embedding.forward(features)], 1);
+        let x = Tensor::cat(vec![own, self.skel_embedding.forward(features.clone())], 1);
         let x = x + self.query_pos_encoder.rows(tokens + frames);
         let x = self.encoder.forward(x, mask.bias(tokens, &device).as_ref(), None);
         let n = self.latent_tokens;
-        (x.clone().narrow(1, 0, n), x.narrow(1, n, n))
+        let (mean, log_variance) = (x.clone().narrow(1, 0, n), x.narrow(1, n, n));
+        match &self.linear_path {
+            Some(path) => path.encode(features, mask, (mean, log_variance)),
+            None => (mean, log_variance),
+        }
     }
 
     /// Features of latents; padded frames are zero.
@@ -80,6 +83,10 @@ impl TrainableVae {
         let x = self.query_pos_decoder.rows(mask.frames()).repeat_dim(0, clips);
         let x = self.decoder.forward(x, mask.bias(0, &device).as_ref(), Some(latents));
         let features = self.final_layer.forward(x);
+        let features = match &self.linear_path {
+            Some(path) => features + path.decode(latents.clone(), mask),
+            None => features,
+        };
         match mask.keep(&device) {
             Some(keep) => features * keep,
             None => features,
