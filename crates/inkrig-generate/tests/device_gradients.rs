@@ -20,6 +20,8 @@ use std::time::{Duration, Instant};
 /// How far a tensor's gradient may be off, as a part of its length: sums of some thousand f32 in another order. What is shorter than
 /// a thousandth of the longest tensor's gradient is measured by that.
 const TENSOR: f64 = 1e-4;
+/// The same on a graphics processor, whose exponentials may be some units in the last place off, and which sums in parts.
+const TENSOR_ON_DEVICE: f64 = 2e-3;
 /// The same for the loss and its parts.
 const LOSS: f64 = 1e-5;
 
@@ -100,7 +102,8 @@ fn on_device(kind: TrainingDeviceKind) {
             device.name(),
             case.weights.len(),
         );
-        assert!(tensor < TENSOR, "{name}: {tensor:e}");
+        let most = if kind == TrainingDeviceKind::Cpu { TENSOR } else { TENSOR_ON_DEVICE };
+        assert!(tensor < most, "{name}: {tensor:e}");
         assert!(loss < LOSS, "{loss:e}");
     }
 }
