@@ -128,14 +128,14 @@ mod tests {
 
     #[test]
     fn what_the_test_says_decides() {
-        let [vulkan, ..] = &APIS;
+        let [wgpu, ..] = &APIS;
         let cpu = "cpu (burn on the processor), small: 5 tensors\n";
-        let on_device = format!("{cpu}test a ... vulkan (llvmpipe (LLVM 15, 256 bits)), small: 5 tensors\n");
-        let compared = outcome(vulkan, &on_device).unwrap();
+        let on_device = format!("{cpu}test a ... wgpu (llvmpipe (LLVM 15, 256 bits)), small: 5 tensors\n");
+        let compared = outcome(wgpu, &on_device).unwrap();
         assert_eq!(compared, Outcome::Compared("llvmpipe (LLVM 15, 256 bits)".into()));
-        let without = outcome(vulkan, &format!("{cpu}skipped: no vulkan device is there\n")).unwrap();
-        let said = line(vulkan, &without);
+        let without = outcome(wgpu, &format!("{cpu}skipped: no wgpu device is there\n")).unwrap();
+        let said = line(wgpu, &without);
         assert!(said.contains("builds") && said.contains("mesa-vulkan-drivers"), "{said}");
-        assert!(outcome(vulkan, cpu).is_err(), "a test that did not run is no pass");
+        assert!(outcome(wgpu, cpu).is_err(), "a test that did not run is no pass");
     }
 }
