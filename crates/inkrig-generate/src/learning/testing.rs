@@ -7,6 +7,16 @@ use crate::weights::Tensors;
 pub(super) fn check_gradient(
     weights: &Tensors,
     without: &[&str],
+    run: impl FnMut(&[f32]) -> (f64, Vec<f32>),
+) {
+    check_gradient_within(2e-3, weights, without, run);
+}
+
+/// The same with weights moved by `step`: small where a loss is bent.
+pub(super) fn check_gradient_within(
+    step: f64,
+    weights: &Tensors,
+    without: &[&str],
     mut run: impl FnMut(&[f32]) -> (f64, Vec<f32>),
 ) {
     let row = weights.row();
@@ -22,7 +32,7 @@ pub(super) fn check_gradient(
             assert!(without.iter().any(|part| name.contains(part)), "{name} {length}");
             continue;
         }
-        let by = 2e-3 / length;
+        let by = step / length;
         let moved = |sign: f64| {
             let mut row = row.clone();
             for (weight, part) in row[range.clone()].iter_mut().zip(own) {
