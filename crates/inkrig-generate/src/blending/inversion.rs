@@ -79,6 +79,7 @@ pub fn blend(
         semantics: Semantics::Paper,
         guidance: options.guidance.clone(),
         guide_every: options.guide_every,
+        settle: None,
     };
     let sampled = sampler.run(&[conditions], &sampling, latents, |_| Vec::new(), |_| {})?;
     let mut decoding = Decoding::default();

@@ -100,6 +100,7 @@ impl Configuration {
                 step_early: guidance.step_early,
             }),
             guide_every: 1,
+            settle: None,
         }
     }
 }

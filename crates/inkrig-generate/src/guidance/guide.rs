@@ -3,6 +3,7 @@
 
 use super::lbfgs::{Lbfgs, LbfgsOptions, Objective};
 use super::places::Places;
+use super::settle::{SettleOptions, slides};
 use super::target::{Mean, Target};
 use crate::GenerateError;
 use crate::networks::{Decoding, Vae};
@@ -104,7 +105,6 @@ struct ClipWork {
     places: Places,
     of_joints: Vec<f64>,
     of_features: Vec<f32>,
-    latent: Vec<f32>,
     sum: f64,
 }
 
@@ -175,6 +175,28 @@ impl<'a> Guide<'a> {
         }
     }
 
+    /// How many clips there are.
+    pub(super) fn count(&self) -> usize {
+        self.clips.len()
+    }
+
+    /// The gradient of what settling lessens: sliding, and distances from what is asked for.
+    pub(super) fn settling(
+        &mut self,
+        clean: &[f32],
+        options: &SettleOptions,
+        gradient: &mut [f32],
+    ) -> Result<(), GenerateError> {
+        self.each(clean, gradient, |work, clip, latent, gradient, (vae, statistics)| {
+            let asked = clip.target.entries(clip.frames, Mean::Asked).max(1);
+            let weight = options.asked / asked as f64;
+            work.places(vae, statistics, clip, latent)?;
+            work.sum = clip.target.distance(&work.places.joints, false, weight, &mut work.of_joints);
+            slides(&work.places.joints, options.slides, &mut work.of_joints);
+            work.back(vae, statistics, gradient)
+        })
+    }
+
     /// Square distances of all clips, and how many decodings and gradients.
     fn entries(&self, mean: Mean) -> f64 {
         let each = self.clips.iter().map(|(clip, _)| clip.target.entries(clip.frames, mean));
@@ -189,40 +211,64 @@ impl<'a> Guide<'a> {
         weight: f64,
         gradient: &mut [f32],
     ) -> Result<f64, GenerateError> {
+        self.each(clean, gradient, |work, clip, latent, gradient, (vae, statistics)| {
+            work.places(vae, statistics, clip, latent)?;
+            work.sum = clip.target.distance(&work.places.joints, squared, weight, &mut work.of_joints);
+            work.back(vae, statistics, gradient)
+        })?;
+        Ok(self.clips.iter().map(|(_, work)| work.sum).sum())
+    }
+
+    /// Does something with every clip, its latent and its gradient, on several threads.
+    fn each(
+        &mut self,
+        clean: &[f32],
+        gradient: &mut [f32],
+        what: impl Fn(
+            &mut ClipWork,
+            &GuidedClip<'_>,
+            &[f32],
+            &mut [f32],
+            (&Vae, &Statistics),
+        ) -> Result<(), GenerateError>
+        + Sync,
+    ) -> Result<(), GenerateError> {
         let each = self.vae.latent_width();
         let expected = self.clips.len() * each;
         if clean.len() != expected || gradient.len() != expected {
             let what = "latents of guided clips";
             return Err(GenerateError::Length { what, expected, got: clean.len().min(gradient.len()) });
         }
-        let (vae, statistics) = (self.vae, self.statistics);
+        let with = (self.vae, self.statistics);
         let latents = clean.par_chunks_exact(each).zip(gradient.par_chunks_exact_mut(each));
         self.clips.par_iter_mut().zip(latents).try_for_each(|((clip, work), (latent, gradient))| {
-            work.distance(vae, statistics, clip, latent, squared, weight, gradient)
-        })?;
-        Ok(self.clips.iter().map(|(_, work)| work.sum).sum())
+            what(work, clip, latent, gradient, with)
+        })
     }
 }
 
 impl ClipWork {
-    #[allow(clippy::too_many_arguments)]
-    fn distance(
+    /// Where the joints of a latent are.
+    fn places(
         &mut self,
         vae: &Vae,
         statistics: &Statistics,
         clip: &GuidedClip<'_>,
         latent: &[f32],
-        squared: bool,
-        weight: f64,
-        gradient: &mut [f32],
     ) -> Result<(), GenerateError> {
         vae.decode(latent, &[clip.frames], &mut self.decoding)?;
-        self.places.recover(self.decoding.features(), statistics)?;
-        self.sum = clip.target.distance(&self.places.joints, squared, weight, &mut self.of_joints);
+        self.places.recover(self.decoding.features(), statistics)
+    }
+
+    /// From the gradient of the joints to that of the latent.
+    fn back(
+        &mut self,
+        vae: &Vae,
+        statistics: &Statistics,
+        gradient: &mut [f32],
+    ) -> Result<(), GenerateError> {
         self.places.gradient(&self.of_joints, statistics, &mut self.of_features);
-        self.latent.clear();
-        self.latent.extend_from_slice(vae.gradient(&self.of_features, &mut self.decoding)?);
-        gradient.copy_from_slice(&self.latent);
+        gradient.copy_from_slice(vae.gradient(&self.of_features, &mut self.decoding)?);
         Ok(())
     }
 }
@@ -341,6 +387,32 @@ mod tests {
                 assert!(!spared || firsts.clone().all(|(moved, before)| moved == before));
             }
         }
+    }
+
+    #[test]
+    fn settled_latents_slide_less_and_stay_near_what_is_asked_for() {
+        let sizes = Sizes::tiny();
+        let vae = Vae::new(&sizes, &hashed(&sizes, Parts::VAE)).unwrap();
+        let statistics = Statistics::new(vec![0.0; WIDTH], vec![0.05; WIDTH]).unwrap();
+        let ask = |frame| Ask { frame, joint: 15, place: Vec3::new(0.1, 0.1, 0.05) };
+        let target = Target { view: View::Space, asks: (0..12).map(ask).collect() };
+        let clips = [GuidedClip { target: &target, frames: 12 }];
+        let mut guide = Guide::new(&vae, &statistics, &clips);
+        let before = Noise::new(1).normals(sizes.width);
+        let mut measure = |latents: &[f32]| {
+            let asked = guide.loss(latents, Mean::Asked, &mut vec![0.0; latents.len()]).unwrap();
+            let joints = guide.clips[0].1.places.joints.clone();
+            (slides(&joints, 0.0, &mut vec![0.0; joints.len()]), asked)
+        };
+        let (slid, missed) = measure(&before);
+        let mut guide = Guide::new(&vae, &statistics, &clips);
+        let (mut settled, mut still) = (before.clone(), before.clone());
+        guide.settle(&mut settled, &SettleOptions::default()).unwrap();
+        guide.settle(&mut still, &SettleOptions { steps: 0, ..SettleOptions::default() }).unwrap();
+        let after = measure(&settled);
+        assert!(slid > 0.2 && after.0 < 0.5 * slid && after.1 < missed, "{slid} {missed} {after:?}");
+        assert_eq!(still, before);
+        assert!(guide.settle(&mut [0.0; 15], &SettleOptions::default()).is_err());
     }
 
     #[test]

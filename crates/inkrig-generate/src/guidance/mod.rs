@@ -3,9 +3,11 @@
 mod guide;
 mod lbfgs;
 mod places;
+mod settle;
 mod target;
 
 pub use guide::{GuidanceOptions, Guide, Guided, GuidedClip, Method, Variable};
 pub use lbfgs::{Lbfgs, LbfgsOptions, Objective};
 pub(crate) use places::Places;
+pub use settle::SettleOptions;
 pub use target::{Ask, Mean, Target, View};

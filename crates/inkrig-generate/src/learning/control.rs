@@ -4,8 +4,8 @@
 use super::decoded::{Decoded, DecodedLosses, Wanted};
 use crate::GenerateError;
 use crate::networks::{
-    Adapter, BranchTape, ConditionEncoder, ConditionRows, ControlNet, ControlTape, Denoiser, Domain, Dropout,
-    EncoderTape, InputGradients, Residuals, Samples, SideGradients, Sizes, Vae, WaveTable, WeightGradients,
+    Adapter, ConditionEncoder, ConditionRows, ControlNet, ControlTape, Denoiser, DenoiserTape, Domain, Dropout,
+    EncoderTape, Residuals, Samples, Sizes, Vae, WaveTable, WeightGradients,
 };
 use crate::numeric::product::OuterWork;
 use crate::schedule::NoiseSchedule;
@@ -68,10 +68,9 @@ pub struct ControlLearner<'a> {
     schedule: NoiseSchedule,
     waves: WaveTable,
     decoded: Decoded<'a>,
-    base: BranchTape,
+    base: DenoiserTape,
     trajectory: (EncoderTape, ControlTape),
     keypose: (EncoderTape, ControlTape),
-    inputs: InputGradients,
     work: OuterWork,
 }
 
@@ -100,10 +99,9 @@ impl<'a> ControlLearner<'a> {
             schedule: NoiseSchedule::default(),
             waves: WaveTable::new(sizes.text_width),
             decoded: Decoded::new(features, places)?,
-            base: BranchTape::for_inputs(),
+            base: DenoiserTape::for_inputs(),
             trajectory: Default::default(),
             keypose: Default::default(),
-            inputs: InputGradients::default(),
             work: OuterWork::default(),
         })
     }
@@ -159,18 +157,13 @@ impl<'a> ControlLearner<'a> {
         }
         let samples =
             Samples { latents: batch.noisy, timesteps: batch.timesteps, texts: batch.texts, guidance: None };
-        let branch = self.denoiser.branch();
-        let x = branch.forward_batch(&samples, &self.waves, Some(&corrections), None, &mut self.base);
-
-        let predicted = self.denoiser.noise_of(&x, batch.noisy, batch.timesteps);
+        let predicted =
+            self.denoiser.forward_batch(&samples, &self.waves, Some(&corrections), &mut self.base);
         let (losses, grad) = self.losses(&predicted, batch, objective)?;
-        let mut x = self.denoiser.noise_gradient(&x, &grad, batch.timesteps, None);
         gradient.clear();
         gradient.resize(row.len(), 0.0);
         let mut of_corrections: Residuals = vec![Vec::new(); self.sizes.control_blocks];
-        let side = SideGradients { outputs: None, residuals: Some(&mut of_corrections) };
-        let branch = self.denoiser.branch();
-        branch.backward_batch(&mut x, &samples, &mut self.base, side, None, &mut self.inputs);
+        self.denoiser.corrections_gradient(&grad, &samples, &mut self.base, &mut of_corrections);
         let mut to = WeightGradients { row: gradient, work: &mut self.work };
         if !posed.is_empty() {
             let own = gather(&of_corrections, &posed, each);
@@ -431,6 +424,7 @@ pub(super) mod tests {
             semantics: Semantics::Paper,
             guidance: None,
             guide_every: 1,
+            settle: None,
         };
         let (mut noise, mut timestep) = (Vec::new(), 0);
         let seen = |report: crate::sampling::StepReport<'_>| {

@@ -2,7 +2,7 @@
 
 use crate::GenerateError;
 use crate::networks::{
-    BranchTape, Denoiser, Dropout, InputGradients, Samples, SideGradients, Sizes, WaveTable, WeightGradients,
+    Denoiser, DenoiserTape, Dropout, Samples, Sizes, WaveTable, WeightGradients,
 };
 use crate::numeric::elementwise::add;
 use crate::numeric::product::OuterWork;
@@ -28,8 +28,7 @@ pub struct DenoiserLearner {
     sizes: Sizes,
     weights: Tensors,
     waves: WaveTable,
-    tape: BranchTape,
-    inputs: InputGradients,
+    tape: DenoiserTape,
     work: OuterWork,
 }
 
@@ -45,8 +44,7 @@ impl DenoiserLearner {
             sizes: sizes.clone(),
             weights: weights.clone(),
             waves: WaveTable::new(sizes.text_width),
-            tape: BranchTape::for_learning(),
-            inputs: InputGradients::default(),
+            tape: DenoiserTape::for_learning(),
             work: OuterWork::default(),
         })
     }
@@ -65,7 +63,6 @@ impl DenoiserLearner {
     ) -> Result<f64, GenerateError> {
         let weights = self.weights.with_row(row)?;
         let denoiser = Denoiser::new(&self.sizes, &weights)?;
-        let branch = denoiser.branch();
         let (count, text) = (batch.timesteps.len(), self.sizes.text_width);
         let latent = self.sizes.latent_tokens * self.sizes.width;
         for (what, expected, got) in [
@@ -88,9 +85,7 @@ impl DenoiserLearner {
         let (latents, timesteps) = (batch.latents, batch.timesteps);
         let samples = Samples { latents, timesteps, texts: &texts, guidance: None };
         self.tape.set_dropout(dropout.map(|(share, seed)| Dropout { share, seed }));
-        let x = branch.forward_batch(&samples, &self.waves, None, None, &mut self.tape);
-
-        let mut predicted = denoiser.noise_of(&x, latents, timesteps);
+        let mut predicted = denoiser.forward_batch(&samples, &self.waves, None, &mut self.tape);
         let mut sum = 0.0;
         let rows = predicted.chunks_exact_mut(latent).zip(batch.noise.chunks_exact(latent));
         for ((predicted, noise), &timestep) in rows.zip(timesteps) {
@@ -105,10 +100,8 @@ impl DenoiserLearner {
         gradient.clear();
         gradient.resize(row.len(), 0.0);
         let mut to = WeightGradients { row: gradient, work: &mut self.work };
-        let mut x = denoiser.noise_gradient(&x, &predicted, timesteps, Some(&mut to));
-        let side = SideGradients::default();
-        branch.backward_batch(&mut x, &samples, &mut self.tape, side, Some(&mut to), &mut self.inputs);
-        for (place, grad) in places.into_iter().zip(self.inputs.texts.chunks_exact(text)) {
+        let texts = denoiser.backward_batch(predicted, &samples, &mut self.tape, &mut to);
+        for (place, grad) in places.into_iter().zip(texts.chunks_exact(text)) {
             add(&mut gradient[place..place + text], grad);
         }
         Ok(sum / (count * latent) as f64)
@@ -125,7 +118,12 @@ mod tests {
 
     #[test]
     fn the_gradient_is_a_difference_in_every_tensor() {
-        let sizes = Sizes { latent_tokens: 2, guidance_width: 0, velocity: true, ..Sizes::tiny() };
+        let attending = Sizes { latent_tokens: 2, guidance_width: 0, velocity: true, ..Sizes::tiny() };
+        let feeding = Sizes { trunk: 24, ..attending.clone() };
+        [attending, feeding].into_iter().for_each(check);
+    }
+
+    fn check(sizes: Sizes) {
         let parts = Parts { vae: false, denoiser: true, control: false, control_2d: false };
         let mut weights = hashed(&sizes, parts);
         let text = sizes.text_width;

@@ -2,8 +2,7 @@
 
 use crate::GenerateError;
 use crate::networks::{
-    BranchTape, Denoiser, InputGradients, Samples, SideGradients, Sizes, WaveTable, WeightGradients,
-    guidance_waves,
+    Denoiser, DenoiserTape, Samples, Sizes, WaveTable, WeightGradients, guidance_waves,
 };
 use crate::numeric::product::OuterWork;
 use crate::schedule::{NoiseSchedule, boundary};
@@ -33,9 +32,8 @@ pub struct DistillLearner {
     no_text: Vec<f32>,
     schedule: NoiseSchedule,
     waves: WaveTable,
-    tape: BranchTape,
-    other: BranchTape,
-    inputs: InputGradients,
+    tape: DenoiserTape,
+    other: DenoiserTape,
     work: OuterWork,
     /// Where the Huber distance turns from a square to a length.
     huber: f32,
@@ -66,9 +64,8 @@ impl DistillLearner {
             no_text: no_text.to_vec(),
             schedule: NoiseSchedule::default(),
             waves: WaveTable::new(sizes.text_width),
-            tape: BranchTape::for_learning(),
-            other: BranchTape::for_inputs(),
-            inputs: InputGradients::default(),
+            tape: DenoiserTape::for_learning(),
+            other: DenoiserTape::for_inputs(),
             work: OuterWork::default(),
             huber,
         })
@@ -107,14 +104,12 @@ impl DistillLearner {
         let samples =
             Samples { latents: &ahead, timesteps: batch.ends, texts: batch.texts, guidance: Some(&guidance) };
         let network = Denoiser::new(&self.sizes, &self.weights.with_row(target)?)?;
-        let x = network.branch().forward_batch(&samples, &self.waves, None, None, &mut self.other);
-        let wanted = self.consistent(&network.noise_of(&x, &ahead, batch.ends), &ahead, batch.ends);
+        let noise = network.forward_batch(&samples, &self.waves, None, &mut self.other);
+        let wanted = self.consistent(&noise, &ahead, batch.ends);
 
         let student = Denoiser::new(&self.sizes, &self.weights.with_row(row)?)?;
-        let branch = student.branch();
         let samples = Samples { latents: batch.noisy, timesteps: batch.starts, ..samples };
-        let x = branch.forward_batch(&samples, &self.waves, None, None, &mut self.tape);
-        let mut noise = student.noise_of(&x, batch.noisy, batch.starts);
+        let mut noise = student.forward_batch(&samples, &self.waves, None, &mut self.tape);
         let said = self.consistent(&noise, batch.noisy, batch.starts);
         let (mut sum, huber) = (0.0, self.huber);
         let numbers = said.len() as f32;
@@ -135,21 +130,17 @@ impl DistillLearner {
         gradient.clear();
         gradient.resize(row.len(), 0.0);
         let mut to = WeightGradients { row: gradient, work: &mut self.work };
-        let mut x = student.noise_gradient(&x, &noise, batch.starts, Some(&mut to));
-        let side = SideGradients::default();
-        branch.backward_batch(&mut x, &samples, &mut self.tape, side, Some(&mut to), &mut self.inputs);
+        student.backward_batch(noise, &samples, &mut self.tape, &mut to);
         Ok(sum / f64::from(numbers))
     }
 
     /// One step of the teacher, with text weighted, from start to end (DDIM).
     fn teach(&mut self, batch: &DistillBatch<'_>) -> Vec<f32> {
         let latent = self.sizes.latent_tokens * self.sizes.width;
-        let branch = self.teacher.branch();
         let nothing = self.no_text.repeat(batch.starts.len());
         let [with, without] = [batch.texts, &nothing].map(|texts| {
             let samples = Samples { latents: batch.noisy, timesteps: batch.starts, texts, guidance: None };
-            let x = branch.forward_batch(&samples, &self.waves, None, None, &mut self.other);
-            self.teacher.noise_of(&x, batch.noisy, batch.starts)
+            self.teacher.forward_batch(&samples, &self.waves, None, &mut self.other)
         });
         let mut ahead = batch.noisy.to_vec();
         let rows = with.chunks_exact(latent).zip(without.chunks_exact(latent)).zip(batch.text_weights);
@@ -193,11 +184,18 @@ mod tests {
 
     #[test]
     fn the_gradient_is_a_difference_in_every_tensor_and_a_step_of_nothing_is_none() {
-        let sizes = Sizes { latent_tokens: 2, velocity: true, ..Sizes::tiny() };
+        let attending = Sizes { latent_tokens: 2, velocity: true, ..Sizes::tiny() };
+        let feeding = Sizes { trunk: 24, ..attending.clone() };
+        [attending, feeding].into_iter().for_each(check);
+    }
+
+    fn check(sizes: Sizes) {
         let parts = Parts { vae: false, denoiser: true, control: false, control_2d: false };
         let weights = hashed(&sizes, parts);
         let no_text = Noise::new(6).normals(sizes.text_width);
-        let mut learner = DistillLearner::new(&sizes, &weights, &weights, &no_text, 0.01).unwrap();
+        let plain = Sizes { guidance_width: 0, ..sizes.clone() };
+        let teacher = hashed(&plain, parts);
+        let mut learner = DistillLearner::new(&sizes, &weights, &teacher, &no_text, 0.01).unwrap();
         let noisy = Noise::new(1).normals(2 * 2 * sizes.width);
         let texts = Noise::new(2).normals(2 * sizes.text_width);
         let batch = DistillBatch {
@@ -216,7 +214,6 @@ mod tests {
         let still = DistillBatch { ends: batch.starts, ..batch };
         let loss = learner.step(&target, &target, &still, &mut Vec::new()).unwrap();
         assert!(loss < 1e-6, "{loss}");
-        let plain = Sizes { guidance_width: 0, ..sizes };
-        assert!(DistillLearner::new(&plain, &weights, &weights, &no_text, 0.01).is_err());
+        assert!(DistillLearner::new(&plain, &teacher, &teacher, &no_text, 0.01).is_err());
     }
 }

@@ -4,7 +4,7 @@
 use super::placed::{Asked, Distances, Placed};
 use crate::GenerateError;
 use crate::networks::{
-    Correction, CorrectionTape, Denoiser, Domain, Dropout, Estimate, Estimator, EstimatorTape, Noisy, Sizes,
+    CORRECTIONS, Correction, CorrectionTape, Denoiser, Domain, Dropout, Estimate, Estimator, EstimatorTape, Noisy, Sizes,
     Vae, WeightGradients, Work, told,
 };
 use crate::numeric::elementwise::add;
@@ -76,9 +76,10 @@ pub struct EstimateLearner<'a> {
     placed: Placed<'a>,
     schedule: NoiseSchedule,
     estimator: EstimatorTape,
-    corrected: CorrectionTape,
+    weighed: CorrectionTape,
+    /// Of each correction, with what it was told of.
+    corrected: [(CorrectionTape, Misses); CORRECTIONS],
     run: Work,
-    misses: Misses,
     vae: &'a Vae,
     features: &'a Statistics,
     work: OuterWork,
@@ -118,9 +119,9 @@ impl<'a> EstimateLearner<'a> {
             placed: Placed::new(vae, features),
             schedule: NoiseSchedule::default(),
             estimator: EstimatorTape::default(),
-            corrected: CorrectionTape::default(),
+            weighed: CorrectionTape::default(),
+            corrected: Default::default(),
             run: Work::default(),
-            misses: Misses::default(),
             vae,
             features,
             work: OuterWork::default(),
@@ -150,7 +151,10 @@ impl<'a> EstimateLearner<'a> {
         };
         let dropout = dropout.map(|(share, seed)| Dropout { share, seed });
         self.estimator.set_dropout(dropout);
-        self.corrected.set_dropout(dropout.filter(|_| learned.is_some()).map(|own| own.of_block(64)));
+        for (at, (tape, _)) in self.corrected.iter_mut().enumerate() {
+            let own = dropout.filter(|_| learned.is_some());
+            tape.set_dropout(own.map(|own| own.of_block(64 * (at + 1))));
+        }
 
         // The estimate, and what it corrects.
         let all = batch.conditions.iter();
@@ -171,8 +175,10 @@ impl<'a> EstimateLearner<'a> {
             let tape = &mut CorrectionTape::default();
             correction.weigh(&mut clean, batch.rolled, &first, tape);
             let asked = &batch.conditions[..rolled];
-            let missed = self.misses.of(self.vae, self.features, &clean, asked)?;
-            correction.correct(latents, &mut clean, batch.rolled, (&first, &missed), tape);
+            for _ in 0..CORRECTIONS {
+                let missed = Misses::default().of(self.vae, self.features, &clean, asked)?;
+                correction.correct(latents, &mut clean, batch.rolled, (&first, &missed), tape);
+            }
             let steps = batch.rolled.iter().zip(batch.timesteps);
             let rows = noisy.chunks_exact_mut(each).zip(clean.chunks_exact(each));
             for ((noisy, clean), (&from, &to)) in rows.zip(steps) {
@@ -184,10 +190,11 @@ impl<'a> EstimateLearner<'a> {
             }
         }
         let mut clean = denoised(&self.denoiser, &noisy, batch.timesteps, batch.texts, &mut self.run)?;
-        let tape = &mut self.corrected;
-        correction.weigh(&mut clean, batch.timesteps, &estimate, tape);
-        let missed = self.misses.of(self.vae, self.features, &clean, batch.conditions)?;
-        correction.correct(&noisy, &mut clean, batch.timesteps, (&estimate, &missed), tape);
+        correction.weigh(&mut clean, batch.timesteps, &estimate, &mut self.weighed);
+        for (tape, misses) in &mut self.corrected {
+            let missed = misses.of(self.vae, self.features, &clean, batch.conditions)?;
+            correction.correct(&noisy, &mut clean, batch.timesteps, (&estimate, &missed), tape);
+        }
         // The error of the velocity is that of the clean latent over sqrt(1 - alpha).
         let mut losses = EstimateLosses::default();
         let mut of_clean = Vec::with_capacity(clean.len());
@@ -230,11 +237,14 @@ impl<'a> EstimateLearner<'a> {
         let mut nobody = vec![0.0; self.correction.as_ref().map_or(0, |(_, numbers)| *numbers)];
         let row = if learned.is_some() { &mut gradient[..] } else { &mut nobody };
         let mut to = WeightGradients { row, work: &mut self.work };
-        let (misses, vae, features) = (&mut self.misses, self.vae, self.features);
-        let back = |grad: &[f32]| misses.backward(vae, features, batch.conditions, grad);
-        let came = correction.backward_batch(&of_clean, batch.timesteps, &self.corrected, &mut to, back)?;
-        add(&mut of_estimate.latents, &came.latents);
-        of_estimate.hidden = came.hidden;
+        let (vae, features) = (self.vae, self.features);
+        for (tape, misses) in self.corrected.iter_mut().rev() {
+            let back = |grad: &[f32]| misses.backward(vae, features, batch.conditions, grad);
+            let through = (&*tape, &mut of_estimate);
+            of_clean = correction.correct_back(&of_clean, batch.timesteps, through, &mut to, back)?;
+        }
+        let through = (&self.weighed, &mut of_estimate);
+        correction.weigh_back(&of_clean, batch.timesteps, through, &mut to);
         let mut to = WeightGradients { row: gradient, work: &mut self.work };
         estimator.backward_batch(&estimate, &of_estimate, &self.estimator, &mut to);
         Ok(losses)

@@ -6,9 +6,11 @@ use super::Sizes;
 use super::branch::Branch;
 use super::linear::Linear;
 use super::stack::{Ending, Residuals, StackTape};
-use super::velocity::Velocity;
+use super::feeding::Feeding;
+use super::velocity::{Attending, Velocity};
 use crate::GenerateError;
 use crate::numeric::elementwise::{add, relu};
+use crate::schedule::NoiseSchedule;
 use crate::weights::Tensors;
 
 /// What the three networks are given. Several samples may be run at once; their numbers follow one another.
@@ -49,8 +51,17 @@ impl Corrections {
 /// The network that predicts the noise in a latent.
 #[derive(Debug, Clone)]
 pub struct Denoiser {
-    pub(super) branch: Branch,
-    pub(super) velocity: Option<Velocity>,
+    pub(super) form: Form,
+    schedule: NoiseSchedule,
+}
+
+/// What it is made of.
+#[derive(Debug, Clone)]
+pub(super) enum Form {
+    /// Blocks with attention between tokens, as published.
+    Attending(Attending),
+    /// Feed-forward blocks on whole latents.
+    Feeding(Feeding),
 }
 
 impl Denoiser {
@@ -59,8 +70,14 @@ impl Denoiser {
     /// # Errors
     /// When the sizes cannot be, or a weight is missing or of another shape.
     pub fn new(sizes: &Sizes, weights: &Tensors) -> Result<Self, GenerateError> {
-        let branch = Branch::new(weights, "denoiser.denoiser", sizes, sizes.denoiser_blocks, Ending::Norm)?;
-        Ok(Self { branch, velocity: Velocity::new(sizes, weights)? })
+        let form = if sizes.trunk > 0 {
+            Form::Feeding(Feeding::new(sizes, weights)?)
+        } else {
+            let blocks = sizes.denoiser_blocks;
+            let branch = Branch::new(weights, "denoiser.denoiser", sizes, blocks, Ending::Norm)?;
+            Form::Attending(Attending { branch, velocity: Velocity::new(sizes, weights)? })
+        };
+        Ok(Self { form, schedule: NoiseSchedule::default() })
     }
 
     /// The noise in each latent: as many numbers as there are in the latents.
@@ -73,15 +90,27 @@ impl Denoiser {
         corrections: Option<&Corrections>,
         work: &mut Work,
     ) -> Result<Vec<f32>, GenerateError> {
-        let x = self.branch.run(noisy, corrections, None, &mut work.tape)?;
-        Ok(self.noise_of(&x, noisy.latents, noisy.timesteps))
+        match &self.form {
+            Form::Attending(own) => {
+                let x = own.branch.run(noisy, corrections, None, &mut work.tape)?;
+                Ok(own.noise_of(&x, noisy.latents, noisy.timesteps))
+            }
+            Form::Feeding(own) => {
+                if let Some(block) = corrections.and_then(|corrections| corrections.blocks.first()) {
+                    let what = "corrections of a block, which this denoiser has none of,";
+                    return Err(GenerateError::Length { what, expected: 0, got: block.len() });
+                }
+                own.run(noisy)
+            }
+        }
     }
-}
 
-impl Denoiser {
-    /// The part that it has in common with its copies.
-    pub(crate) fn branch(&self) -> &Branch {
-        &self.branch
+    /// What a squared error of the noise counts at a timestep, so that what is predicted counts alike at all.
+    pub fn loss_weight(&self, timestep: usize) -> f32 {
+        match &self.form {
+            Form::Attending(own) if own.velocity.is_none() => 1.0,
+            _ => 1.0 / self.schedule.alpha(timestep),
+        }
     }
 }
 

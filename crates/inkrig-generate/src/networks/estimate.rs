@@ -33,6 +33,8 @@ const MISS_SLOTS: usize = 20;
 /// A miss of so many metres counts as one, and none for more than [`MOST`] times that.
 const MISS: f32 = 0.25;
 const MOST: f32 = 4.0;
+/// Corrections of a prediction, in training as in sampling: the second is told what the first still misses.
+pub(crate) const CORRECTIONS: usize = 2;
 /// Numbers that say the timestep.
 pub(super) const WAVES: usize = 128;
 /// Numbers that conditions are told by: slots; the key pose, when it is, whether there is one; the clip's length.

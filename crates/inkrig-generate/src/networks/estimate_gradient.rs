@@ -50,51 +50,70 @@ impl Estimator {
 }
 
 impl Correction {
-    /// From the gradient of corrected clean latents to those of the weights, added to theirs, and of the estimate. `back` goes from the
-    /// gradient of the misses to that of the weighed latents.
+    /// From the gradient of corrected clean latents to those of the weights, added to theirs, of what was corrected, and of the estimate (added). `back` goes from
+    /// the gradient of the misses to that of what was corrected.
     ///
     /// # Errors
     /// Those of `back`.
-    pub(crate) fn backward_batch(
+    pub(crate) fn correct_back(
         &self,
         grad: &[f32],
         timesteps: &[usize],
-        tape: &CorrectionTape,
+        (tape, of): (&CorrectionTape, &mut Estimate),
         to: &mut WeightGradients<'_>,
         back: impl FnOnce(&[f32]) -> Result<Vec<f32>, GenerateError>,
-    ) -> Result<Estimate, GenerateError> {
-        let shared = |grad: &[f32]| -> Vec<f32> {
-            let rows = grad.chunks_exact(self.width).zip(timesteps);
-            rows.flat_map(|(row, &step)| row.iter().map(move |grad| self.share(step) * grad)).collect()
-        };
-        let moved = shared(grad);
+    ) -> Result<Vec<f32>, GenerateError> {
+        let moved = self.shared(grad, timesteps);
         self.latent.weight_gradient(&tape.hidden, &moved, to.row, to.work);
         let mut hidden = vec![0.0; tape.hidden.len()];
         self.latent.backward(&moved, &mut hidden, false);
         let input = self.trunk.backward(hidden, &tape.trunk, to);
         let (inputs, width) = (input.len() / timesteps.len().max(1), self.width);
-        // Of what was weighed: directly, through the blocks, and through what it misses.
+        // Of what was corrected: directly, through the blocks, and through what it misses.
         let through = input.chunks_exact(inputs).flat_map(|row| &row[width..2 * width]);
-        let mut weighed: Vec<f32> = grad.iter().zip(through).map(|(grad, through)| grad + through).collect();
+        let mut before: Vec<f32> = grad.iter().zip(through).map(|(grad, through)| grad + through).collect();
         let misses: Vec<f32> =
             input.chunks_exact(inputs).flat_map(|row| &row[inputs - MISSED..]).copied().collect();
-        add(&mut weighed, &back(&misses)?);
-        let numbers = weighed.iter().zip(&tape.apart).zip(&tape.shares);
+        add(&mut before, &back(&misses)?);
+        let known = inputs - 3 * width - WAVES - MISSED;
+        of.latents.resize(grad.len(), 0.0);
+        of.hidden.resize(timesteps.len() * known, 0.0);
+        let rows = of.latents.chunks_exact_mut(width).zip(of.hidden.chunks_exact_mut(known));
+        for ((latents, hidden), input) in rows.zip(input.chunks_exact(inputs)) {
+            add(latents, &input[2 * width..3 * width]);
+            add(hidden, &input[3 * width..3 * width + known]);
+        }
+        Ok(before)
+    }
+
+    /// From the gradient of weighed latents to those of the weights and of the estimate, added to theirs.
+    pub(crate) fn weigh_back(
+        &self,
+        grad: &[f32],
+        timesteps: &[usize],
+        (tape, of): (&CorrectionTape, &mut Estimate),
+        to: &mut WeightGradients<'_>,
+    ) {
+        let numbers = grad.iter().zip(&tape.apart).zip(&tape.shares);
         let gate: Vec<f32> =
             numbers.map(|((grad, apart), share)| grad * apart * share * (1.0 - share)).collect();
         self.gate.weight_gradient(&tape.weighed, &gate, to.row, to.work);
         let mut known = vec![0.0; tape.weighed.len()];
         self.gate.backward(&gate, &mut known, false);
         let each = known.len() / timesteps.len().max(1);
-        let mut of = Estimate { latents: Vec::with_capacity(grad.len()), hidden: Vec::new() };
-        for (input, known) in input.chunks_exact(inputs).zip(known.chunks_exact(each)) {
-            of.latents.extend_from_slice(&input[2 * width..3 * width]);
-            let both = input[3 * width..inputs - WAVES - MISSED].iter().zip(known);
-            of.hidden.extend(both.map(|(trunk, gate)| trunk + gate));
+        of.latents.resize(grad.len(), 0.0);
+        of.hidden.resize(timesteps.len() * (each - WAVES), 0.0);
+        for (hidden, known) in of.hidden.chunks_exact_mut(each - WAVES).zip(known.chunks_exact(each)) {
+            add(hidden, &known[..each - WAVES]);
         }
-        let direct = shared(&weighed);
+        let direct = self.shared(grad, timesteps);
         let direct = direct.iter().zip(&tape.shares);
         of.latents.iter_mut().zip(direct).for_each(|(of, (grad, share))| *of += grad * share);
-        Ok(of)
+    }
+
+    /// A gradient times what corrections count at each timestep.
+    fn shared(&self, grad: &[f32], timesteps: &[usize]) -> Vec<f32> {
+        let rows = grad.chunks_exact(self.width).zip(timesteps);
+        rows.flat_map(|(row, &step)| row.iter().map(move |grad| self.share(step) * grad)).collect()
     }
 }

@@ -3,6 +3,7 @@
 
 use super::Sizes;
 use super::estimate::{Correction, TOLD, WAVES};
+use super::feeding::Feeding;
 use super::trunk::{BLOCKS, WIDENING};
 use crate::weights::Tensors;
 use inkrig_motion::humanml::{JOINTS, WIDTH};
@@ -45,7 +46,8 @@ impl Parts {
         let has = |name: &str| weights.get(name).is_some();
         Self {
             vae: has("vae.final_layer.weight"),
-            denoiser: has("denoiser.denoiser.emb_proj.1.weight"),
+            denoiser: has("denoiser.denoiser.emb_proj.1.weight")
+                || has("denoiser.denoiser.trunk.input.weight"),
             control: has("controlnet.controlnet_cond_embedding.0.weight")
                 || has("estimate.space.input.weight"),
             control_2d: has("traj_encoder_2d.skel_embedding.weight") || has("estimate.plane.input.weight"),
@@ -72,7 +74,10 @@ pub fn tensors(sizes: &Sizes, parts: Parts) -> Vec<TensorSpec> {
             list.add("vae.linear_path.log_variance", &[latent]);
         }
     }
-    if parts.denoiser {
+    if parts.denoiser && sizes.trunk > 0 {
+        list.trunk("denoiser.denoiser.trunk", Feeding::inputs(sizes), sizes.trunk);
+        list.linear("denoiser.denoiser.velocity", sizes.latent_tokens * width, sizes.trunk);
+    } else if parts.denoiser {
         list.branch("denoiser.denoiser", sizes.denoiser_blocks);
         list.norm("denoiser.denoiser.encoder.norm");
         if sizes.velocity {
@@ -85,11 +90,11 @@ pub fn tensors(sizes: &Sizes, parts: Parts) -> Vec<TensorSpec> {
             .iter()
             .filter(|(_, has)| *has)
         {
-            list.trunk(name, TOLD);
+            list.trunk(name, TOLD, sizes.estimate);
             list.linear(&format!("{name}.latent"), latent, sizes.estimate);
         }
         if parts.control {
-            list.trunk("estimate.correction", Correction::inputs(sizes));
+            list.trunk("estimate.correction", Correction::inputs(sizes), sizes.estimate);
             list.linear("estimate.correction.latent", latent, sizes.estimate);
             list.linear("estimate.correction.gate", latent, sizes.estimate + WAVES);
         }
@@ -203,8 +208,7 @@ impl List<'_> {
     }
 
     /// Feed-forward blocks on whole vectors.
-    fn trunk(&mut self, name: &str, inputs: usize) {
-        let width = self.sizes.estimate;
+    fn trunk(&mut self, name: &str, inputs: usize, width: usize) {
         let norm = |list: &mut Self, name: &str| {
             list.add(&format!("{name}.weight"), &[width]);
             list.add(&format!("{name}.bias"), &[width]);

@@ -41,6 +41,9 @@ pub struct Sizes {
     /// Numbers of a row in the networks that make control by an estimate; 0 for ControlNet and adapter, as published.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub estimate: usize,
+    /// Numbers of a row in a denoiser of feed-forward blocks on whole latents; 0 for blocks with attention, as published.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub trunk: usize,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
@@ -72,6 +75,7 @@ impl Sizes {
             cosines: 0,
             velocity: false,
             estimate: 0,
+            trunk: 0,
         }
     }
 
@@ -90,6 +94,7 @@ impl Sizes {
             cosines: 16,
             velocity: true,
             estimate: 384,
+            trunk: 512,
             ..Self::full()
         }
     }
@@ -127,7 +132,7 @@ impl Sizes {
         let control = self.control_blocks == self.denoiser_blocks
             || (1..=self.denoiser_blocks / 2).contains(&self.control_blocks);
         let even = |width: usize| width.is_multiple_of(2) && width <= 4096;
-        let rules: [(&'static str, usize, bool, &'static str); 14] = [
+        let rules: [(&'static str, usize, bool, &'static str); 15] = [
             ("heads", self.heads, (1..=64).contains(&self.heads), "1 to 64"),
             (
                 "width",
@@ -157,6 +162,12 @@ impl Sizes {
             ("guidance_width", self.guidance_width, even(self.guidance_width), "even, at most 4096"),
             ("cosines", self.cosines, self.cosines <= 64, "at most 64"),
             ("estimate", self.estimate, self.estimate <= 4096, "at most 4096"),
+            (
+                "trunk",
+                self.trunk,
+                self.trunk == 0 || self.trunk <= 4096 && self.velocity,
+                "at most 4096, and 0 where `velocity` is false",
+            ),
         ];
         for (setting, value, right, needed) in rules {
             if !right {

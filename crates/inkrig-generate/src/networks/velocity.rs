@@ -7,7 +7,7 @@
 
 use super::Sizes;
 use super::block::WeightGradients;
-use super::denoiser::Denoiser;
+use super::branch::Branch;
 use super::linear::Linear;
 use crate::GenerateError;
 use crate::schedule::NoiseSchedule;
@@ -31,24 +31,45 @@ impl Velocity {
     }
 }
 
-impl Denoiser {
+/// Turns velocities into the noise in latents, in place.
+pub(super) fn to_noise(schedule: &NoiseSchedule, velocity: &mut [f32], latents: &[f32], timesteps: &[usize]) {
+    let each = (latents.len() / timesteps.len().max(1)).max(1);
+    let rows = velocity.chunks_exact_mut(each).zip(latents.chunks_exact(each));
+    for ((velocity, noisy), &step) in rows.zip(timesteps) {
+        let alpha = schedule.alpha(step);
+        let (keep, add) = (alpha.sqrt(), (1.0 - alpha).sqrt());
+        velocity.iter_mut().zip(noisy).for_each(|(x, noisy)| *x = keep * *x + add * noisy);
+    }
+}
+
+/// Turns the gradient of a noise into that of the velocity that it was made of, in place.
+pub(super) fn to_noise_back(schedule: &NoiseSchedule, grad: &mut [f32], timesteps: &[usize]) {
+    let each = (grad.len() / timesteps.len().max(1)).max(1);
+    for (grad, &step) in grad.chunks_exact_mut(each).zip(timesteps) {
+        let keep = schedule.alpha(step).sqrt();
+        grad.iter_mut().for_each(|grad| *grad *= keep);
+    }
+}
+
+/// The denoiser as published: blocks with attention, and what comes out of them.
+#[derive(Debug, Clone)]
+pub(super) struct Attending {
+    pub(super) branch: Branch,
+    pub(super) velocity: Option<Velocity>,
+}
+
+impl Attending {
     /// The noise in latents, of what came out of the blocks (samples x tokens x width).
-    pub(crate) fn noise_of(&self, x: &[f32], latents: &[f32], timesteps: &[usize]) -> Vec<f32> {
+    pub(super) fn noise_of(&self, x: &[f32], latents: &[f32], timesteps: &[usize]) -> Vec<f32> {
         let own = self.own(x);
         let Some(velocity) = &self.velocity else { return own };
         let mut noise = velocity.layer.apply(&own);
-        let each = latents.len() / timesteps.len().max(1);
-        let rows = noise.chunks_exact_mut(each.max(1)).zip(latents.chunks_exact(each.max(1)));
-        for ((noise, noisy), &step) in rows.zip(timesteps) {
-            let alpha = velocity.schedule.alpha(step);
-            let (keep, add) = (alpha.sqrt(), (1.0 - alpha).sqrt());
-            noise.iter_mut().zip(noisy).for_each(|(x, noisy)| *x = keep * *x + add * noisy);
-        }
+        to_noise(&velocity.schedule, &mut noise, latents, timesteps);
         noise
     }
 
     /// From the gradient of the noise to that of what came out of the blocks; what the layer gets of it is added to its place.
-    pub(crate) fn noise_gradient(
+    pub(super) fn noise_gradient(
         &self,
         x: &[f32],
         grad: &[f32],
@@ -57,11 +78,7 @@ impl Denoiser {
     ) -> Vec<f32> {
         let mut grad = grad.to_vec();
         if let Some(velocity) = &self.velocity {
-            let each = grad.len() / timesteps.len().max(1);
-            for (grad, &step) in grad.chunks_exact_mut(each.max(1)).zip(timesteps) {
-                let keep = velocity.schedule.alpha(step).sqrt();
-                grad.iter_mut().for_each(|grad| *grad *= keep);
-            }
+            to_noise_back(&velocity.schedule, &mut grad, timesteps);
             let of_velocity = grad.clone();
             if let Some(to) = weights {
                 velocity.layer.weight_gradient(&self.own(x), &of_velocity, to.row, to.work);
@@ -73,11 +90,6 @@ impl Denoiser {
         let rows = all.chunks_exact_mut(latent + 2 * self.branch.sizes.width);
         rows.zip(grad.chunks_exact(latent)).for_each(|(all, grad)| all[..latent].copy_from_slice(grad));
         all
-    }
-
-    /// What a squared error of the noise counts at a timestep, so that what is predicted counts alike at all.
-    pub fn loss_weight(&self, timestep: usize) -> f32 {
-        self.velocity.as_ref().map_or(1.0, |velocity| 1.0 / velocity.schedule.alpha(timestep))
     }
 
     /// The tokens of the latents among all.

@@ -3,14 +3,10 @@
 use super::model::{EstimateControl, Networks};
 use super::{Conditions, Misses, Semantics};
 use crate::GenerateError;
-use crate::guidance::{GuidanceOptions, Guide, Guided, GuidedClip};
-use crate::networks::{CorrectionTape, Corrections, Estimate, Noisy, Work, guidance_waves, told};
+use crate::guidance::{GuidanceOptions, Guide, Guided, GuidedClip, SettleOptions};
+use crate::networks::{CORRECTIONS, CorrectionTape, Corrections, Estimate, Noisy, Work, guidance_waves, told};
 use crate::schedule::{Ddim, Lcm, Noise, NoiseSchedule, mix};
 use inkrig_motion::humanml::Statistics;
-
-/// Corrections of a prediction. Training has one; a second brings the motion nearer (with a model of 1,500 steps, on held-out people, key poses from 76 to
-/// 60 mm, all that was asked for from 149 to 119), a third hardly, and it makes feet slide more.
-const CORRECTIONS: usize = 2;
 
 /// How clips are sampled.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +22,8 @@ pub struct SamplingOptions {
     pub guidance: Option<GuidanceOptions>,
     /// Guidance at every so many steps, the last among them; 1 and 0 are every step.
     pub guide_every: usize,
+    /// Whether feet that stand are kept from sliding at the end, and how.
+    pub settle: Option<SettleOptions>,
 }
 
 /// The steps from noise to a latent.
@@ -41,7 +39,8 @@ impl Default for SamplingOptions {
     /// The published two steps with guidance.
     fn default() -> Self {
         let guidance = Some(GuidanceOptions::default());
-        Self { steps: Steps::Lcm(2), text_weight: 7.5, semantics: Semantics::Paper, guidance, guide_every: 1 }
+        let (semantics, text_weight) = (Semantics::Paper, 7.5);
+        Self { steps: Steps::Lcm(2), text_weight, semantics, guidance, guide_every: 1, settle: None }
     }
 }
 
@@ -159,6 +158,9 @@ impl Sampler<'_> {
                 }
             }
             seen(StepReport { step, timestep, noise: &noise, latents: &latents });
+        }
+        if let Some(settle) = &options.settle {
+            guide.settle(&mut latents, settle)?;
         }
         Ok(Sampled { latents, guided })
     }

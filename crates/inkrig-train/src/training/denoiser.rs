@@ -30,6 +30,8 @@ pub struct DenoiserSettings {
     pub course: Course,
     /// Whether the denoiser says the velocity, by a layer of its own; else the noise, as published.
     pub velocity: bool,
+    /// Numbers of a row in feed-forward blocks on whole latents; 0 for blocks with attention, as published. They say the velocity.
+    pub trunk: usize,
     /// Share of numbers that are dropped.
     pub dropout: f64,
     /// Share of samples that lose their text, so that there is a prediction without.
@@ -55,10 +57,11 @@ impl Default for DenoiserSettings {
         Self {
             course: Course {
                 steps: 30_000,
-                batch: 128,
-                rate: 1e-3,
-                warm_up: 500,
-                optimiser: Optimiser::Muon,
+                batch: 256,
+                rate: 1.5e-3,
+                warm_up: 200,
+                weight_decay: 0.02,
+                optimiser: Optimiser::AdamW,
                 betas: (0.9, 0.99),
                 average: 0.999,
                 measure_every: 500,
@@ -66,6 +69,7 @@ impl Default for DenoiserSettings {
                 ..Course::default()
             },
             velocity: true,
+            trunk: 512,
             dropout: 0.1,
             text_dropped: 0.1,
             frames: 40,
@@ -83,6 +87,11 @@ impl Settings for DenoiserSettings {
     fn check(&self) -> Result<(), String> {
         self.course.check()?;
         broken([
+            (
+                "trunk",
+                self.trunk <= 4096 && (self.trunk == 0 || self.velocity),
+                "0 to 4096, and 0 where `velocity` is false".into(),
+            ),
             ("dropout", (0.0..1.0).contains(&self.dropout), "from 0 to below 1".to_string()),
             ("text_dropped", is_share(self.text_dropped), "0 to 1".into()),
             ("frames", self.frames >= 2, "2 or more".into()),
@@ -124,7 +133,7 @@ pub fn train_denoiser(
 ) -> Result<Report, TrainError> {
     settings.check().map_err(TrainError::Device)?;
     let (header, base) = read_weights(vae)?;
-    let sizes = Sizes { guidance_width: 0, velocity: settings.velocity, ..header.sizes.clone() };
+    let sizes = Sizes { guidance_width: 0, velocity: settings.velocity, trunk: settings.trunk, ..header.sizes.clone() };
     let header = ModelHeader { sizes: sizes.clone(), ..header };
     let content = |what: String| TrainError::Content { path: vae.into(), what };
     let (statistics, _) = header.statistics().map_err(|error| content(error.to_string()))?;

@@ -177,10 +177,22 @@ struct HeldOut {
 }
 
 impl DistillStage<'_> {
-    /// The teacher, and a layer that makes nothing of the text's weight.
+    /// The teacher, and a layer (or columns of the first) that makes nothing of the text's weight.
     fn beginning(&self) -> Result<Tensors, TrainError> {
         let mut own = named(&self.base.weights, "denoiser.denoiser.");
-        own.insert("denoiser.denoiser.time_embedding.cond_proj.weight", self.nothing()?);
+        let first = "denoiser.denoiser.trunk.input.weight";
+        let Some(weight) = own.get(first) else {
+            own.insert("denoiser.denoiser.time_embedding.cond_proj.weight", self.nothing()?);
+            return Ok(own);
+        };
+        let [outputs, inputs] = weight.shape() else { return Ok(own) };
+        let (more, mut numbers) = (self.sizes.guidance_width, Vec::new());
+        for row in weight.data().chunks_exact(*inputs) {
+            numbers.extend_from_slice(row);
+            numbers.resize(numbers.len() + more, 0.0);
+        }
+        let wider = Tensor::new(vec![*outputs, inputs + more], numbers).map_err(network)?;
+        own.insert(first, wider);
         Ok(own)
     }
 

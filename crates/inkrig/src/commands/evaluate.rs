@@ -9,6 +9,7 @@ use crate::error::CliError;
 use crate::inputs;
 use crate::printable::{self, fixed};
 use inkrig_generate::checkpoint::{CheckpointError, ModelFile, ModelHeader};
+use inkrig_generate::guidance::SettleOptions;
 use inkrig_generate::networks::{Domain, Vae};
 use inkrig_generate::sampling::{Networks, Sampler, SamplingOptions};
 use inkrig_generate::weights::Tensors;
@@ -82,27 +83,32 @@ fn of_control(
     };
     let mut table = ControlTable { rows: Vec::new() };
     for &protocol in protocols {
-        let options = |plane, guidance, footing| ControlOptions {
+        let options = |plane, (guidance, settle): (_, Option<SettleOptions>), footing| ControlOptions {
             protocol,
             plane,
             footing,
-            sampling: SamplingOptions { guidance, ..sampling.clone() },
+            sampling: SamplingOptions { guidance, settle, ..sampling.clone() },
             seed,
         };
-        let [real, back] = bounds(&networks.vae, &model.features, &windows, &options(false, None, false))?;
+        let [real, back] = bounds(&networks.vae, &model.features, &windows, &options(false, (None, None), false))?;
         table.rows.push(("real motion".into(), protocol, real));
         table.rows.push(("through the autoencoder".into(), protocol, back));
         let guided = &sampling.guidance;
-        let mut runs = vec![("conditions in space", false, None, false)];
-        if networks.follows(Domain::Plane) {
-            runs.push(("conditions of a picture", true, None, false));
-            runs.push(("conditions of a picture, guided", true, guided.clone(), false));
-            runs.push(("conditions of a picture, guided, feet put on the floor", true, guided.clone(), true));
+        let settled = Some(SettleOptions::default());
+        let mut runs = Vec::new();
+        for (domain, what) in [(Domain::Space, "conditions in space"), (Domain::Plane, "conditions of a picture")]
+        {
+            if networks.follows(domain) {
+                let plane = domain == Domain::Plane;
+                runs.push((what.to_string(), plane, (None, None), false));
+                runs.push((format!("{what}, guided"), plane, (guided.clone(), None), false));
+                let how = (guided.clone(), settled.clone());
+                runs.push((format!("{what}, guided, feet settled"), plane, how.clone(), false));
+                runs.push((format!("{what}, guided, feet settled and put on the floor"), plane, how, true));
+            }
         }
-        runs.push(("conditions in space, guided", false, guided.clone(), false));
-        runs.push(("conditions in space, guided, feet put on the floor", false, guided.clone(), true));
         for (name, plane, guidance, footing) in runs {
-            let bar = console.bar(name);
+            let bar = console.bar(name.clone());
             let row = control(
                 &sampler,
                 &model.places,
@@ -111,7 +117,7 @@ fn of_control(
                 &options(plane, guidance, footing),
                 &|done, all| bar.at(done, all).is_continue(),
             )?;
-            table.rows.push((name.into(), protocol, row));
+            table.rows.push((name, protocol, row));
         }
     }
     console.say(table.text().trim_end())?;

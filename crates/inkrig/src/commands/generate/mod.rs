@@ -20,7 +20,7 @@ use ground::{GroundRecord, ground};
 use inkrig_formats::{ExportOptions, HumanBone, write_motion};
 use inkrig_generate::checkpoint::{CheckpointError, ModelFile, ModelHeader};
 use inkrig_generate::configuration::Configuration;
-use inkrig_generate::guidance::{Ask, Guided, View};
+use inkrig_generate::guidance::{Ask, Guided, SettleOptions, View};
 use inkrig_generate::networks::{Decoding, Domain};
 use inkrig_generate::sampling::{Conditions, Networks, Request, Sampler, SamplingOptions, Semantics, Steps};
 use inkrig_generate::text::TextEncoder;
@@ -196,6 +196,7 @@ impl Model {
         Ok(SamplingOptions {
             text_weight: args.text_weight.map_or(usual.text_weight, |weight| weight as f32),
             guidance: usual.guidance.filter(|_| args.guidance != Some(GuidanceArg::Off)),
+            settle: Some(SettleOptions::default()).filter(|_| args.ground == GroundArg::On),
             ..usual
         })
     }

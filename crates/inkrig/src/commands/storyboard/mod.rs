@@ -13,6 +13,7 @@ use crate::provenance::{Facts, Run};
 use crate::{load, names, readers, results};
 use inkrig_formats::{ExportOptions, Format, HumanBone, write_motion};
 use inkrig_generate::blending::BlendOptions;
+use inkrig_generate::guidance::SettleOptions;
 use inkrig_generate::sampling::{Sampler, SamplingOptions};
 use inkrig_generate::text::TextEncoder;
 use inkrig_motion::Clip;
@@ -158,6 +159,7 @@ fn make(
             text_weight: args.text_weight.map_or(usual.text_weight, |weight| weight as f32),
             guidance: usual.guidance.clone().filter(|_| args.exact != ExactArg::Off),
             guide_every: usize::from(args.guide_every),
+            settle: Some(SettleOptions::default()),
             ..usual
         },
         candidates: usize::from(args.candidates),

@@ -1,0 +1,147 @@
+//! Feet that stand do not slide: latents are moved a little, at the end, until what they decode to has such feet.
+//!
+//! Not in the papers. What is sampled is near to motion, and a foot that should stand goes on by some centimetres from frame to frame. The nearest latent
+//! whose feet do not is found by steps along a gradient through the decoder, so that the whole body gives way and stays smooth;
+//! what was asked for is held meanwhile.
+
+use super::guide::Guide;
+use crate::GenerateError;
+use inkrig_motion::humanml::{FRAME_RATE, JOINTS};
+
+/// Numbers of a frame's places.
+const PLACES: usize = 3 * JOINTS;
+/// Joints that stand: the balls of the feet.
+const FEET: [usize; 2] = [10, 11];
+/// A foot of this height, metres, as likely stands as it swings, and over how much that changes.
+const HEIGHT: f64 = 0.06;
+const SOFT: f64 = 0.01;
+/// A foot that stands may be as quick as this, metres a second: real ones roll.
+const ROLLS: f64 = 0.15;
+/// Decay of the two means of Adam.
+const DECAY: (f64, f64) = (0.9, 0.99);
+
+/// How latents are settled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SettleOptions {
+    /// Steps, of a decoding and its gradient each.
+    pub steps: usize,
+    /// How far a number goes in a step, in deviations of latents.
+    pub rate: f64,
+    /// Weight of sliding: the mean over frames of the metres a second of both feet.
+    pub slides: f64,
+    /// Of what is asked for: the mean distance, metres.
+    pub asked: f64,
+    /// Of the mean square by which a latent's numbers change.
+    pub moved: f64,
+}
+
+impl Default for SettleOptions {
+    fn default() -> Self {
+        Self { steps: 40, rate: 0.03, slides: 1.0, asked: 10.0, moved: 0.3 }
+    }
+}
+
+/// Means of gradients and of their squares.
+#[derive(Debug, Clone, Copy, Default)]
+struct Means {
+    first: f64,
+    second: f64,
+}
+
+impl Guide<'_> {
+    /// Moves clean latents.
+    ///
+    /// # Errors
+    /// When the numbers of clips and latents differ, or a clip is too long.
+    pub fn settle(&mut self, latents: &mut [f32], options: &SettleOptions) -> Result<(), GenerateError> {
+        let before = latents.to_vec();
+        let each = latents.len() / self.count().max(1);
+        let mut means = vec![Means::default(); latents.len()];
+        let mut gradient = vec![0.0; latents.len()];
+        let decay = |mean: f64, decay: f64, value: f64| decay * mean + (1.0 - decay) * value;
+        for step in 1..=options.steps as i32 {
+            self.settling(latents, options, &mut gradient)?;
+            let unbiased = (1.0 - DECAY.0.powi(step), 1.0 - DECAY.1.powi(step));
+            let numbers = latents.iter_mut().zip(&before).zip(&gradient).zip(&mut means);
+            for (((latent, before), gradient), means) in numbers {
+                let back = 2.0 * options.moved * f64::from(*latent - before) / each as f64;
+                let slope = f64::from(*gradient) + back;
+                means.first = decay(means.first, DECAY.0, slope);
+                means.second = decay(means.second, DECAY.1, slope * slope);
+                let length = (means.second / unbiased.1).sqrt() + 1e-8;
+                *latent -= (options.rate * means.first / unbiased.0 / length) as f32;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Adds the gradient of sliding, times `weight`, to that of joints (frames x 66); gives how much feet slide, the mean over frames of the metres a
+/// second of both. Heights have no gradient: a foot shall stand still, not be lifted.
+pub(super) fn slides(joints: &[f64], weight: f64, gradient: &mut [f64]) -> f64 {
+    let frames = joints.len() / PLACES;
+    let share = 1.0 / frames.max(1) as f64;
+    let mut sum = 0.0;
+    for frame in 1..frames {
+        for foot in FEET {
+            let [before, now] = [(frame - 1) * PLACES + 3 * foot, frame * PLACES + 3 * foot];
+            let (x, z) = (joints[now] - joints[before], joints[now + 2] - joints[before + 2]);
+            let length = x.hypot(z);
+            let speed = length * FRAME_RATE;
+            if speed <= ROLLS {
+                continue;
+            }
+            let high = joints[now + 1].max(joints[before + 1]);
+            let stands = 1.0 / (1.0 + ((high - HEIGHT) / SOFT).exp());
+            sum += share * stands * (speed - ROLLS);
+            let slope = weight * share * stands * FRAME_RATE / length;
+            for (axis, apart) in [(0, x), (2, z)] {
+                gradient[now + axis] += slope * apart;
+                gradient[before + axis] -= slope * apart;
+            }
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Both feet at a height, going along x at so many metres a second.
+    fn walk(height: f64, speed: f64) -> Vec<f64> {
+        let mut joints = vec![0.9; 6 * PLACES];
+        for (frame, pose) in joints.chunks_exact_mut(PLACES).enumerate() {
+            for foot in FEET {
+                pose[3 * foot] = speed * frame as f64 / FRAME_RATE + 0.01 * (frame * frame) as f64;
+                pose[3 * foot + 1] = height;
+            }
+        }
+        joints
+    }
+
+    #[test]
+    fn low_feet_slide_and_high_or_slow_ones_do_not() {
+        let of = |joints: &[f64]| slides(joints, 1.0, &mut vec![0.0; joints.len()]);
+        assert!(of(&walk(0.02, 1.0)) > 1.0);
+        assert!(of(&walk(0.15, 1.0)) < 1e-2);
+        assert_eq!(of(&vec![0.01; 6 * PLACES]), 0.0);
+        assert_eq!(of(&[]), 0.0);
+    }
+
+    #[test]
+    fn its_gradient_is_a_difference() {
+        let joints = walk(0.055, 0.8);
+        let mut gradient = vec![0.0; joints.len()];
+        slides(&joints, 3.0, &mut gradient);
+        let value = |at: usize, by: f64| {
+            let mut moved = joints.clone();
+            moved[at] += by;
+            3.0 * slides(&moved, 0.0, &mut vec![0.0; joints.len()])
+        };
+        for at in (0..joints.len()).filter(|at| at % 3 != 1) {
+            let slope = (value(at, 1e-6) - value(at, -1e-6)) / 2e-6;
+            assert!((slope - gradient[at]).abs() < 1e-5, "{at}: {slope} {}", gradient[at]);
+        }
+    }
+}
