@@ -54,8 +54,14 @@ fn statistics() -> Option<Statistics> {
 fn run(vectors: &Vectors, name: &str, semantics: Semantics) -> Option<()> {
     let features = statistics()?;
     let sampler = Sampler { networks: &NETWORKS, features: &features, no_text: &[] };
-    let options =
-        SamplingOptions { steps: Steps::Lcm(2), text_weight: 7.5, semantics, guidance: None, guide_every: 1, settle: None };
+    let options = SamplingOptions {
+        steps: Steps::Lcm(2),
+        text_weight: 7.5,
+        semantics,
+        guidance: None,
+        guide_every: 1,
+        settle: None,
+    };
     let noise = vectors.numbers("noise");
     let sampled = sampler
         .run(

@@ -3,11 +3,11 @@
 
 use super::lbfgs::{Lbfgs, LbfgsOptions, Objective};
 use super::places::Places;
-use super::settle::{SettleOptions, slides};
+use super::settle::{SettleOptions, misses_pose, slides};
 use super::target::{Mean, Target};
 use crate::GenerateError;
 use crate::networks::{Decoding, Vae};
-use inkrig_motion::humanml::Statistics;
+use inkrig_motion::humanml::{Joints, Statistics};
 use rayon::prelude::*;
 
 /// How guidance is done.
@@ -106,6 +106,8 @@ struct ClipWork {
     of_joints: Vec<f64>,
     of_features: Vec<f32>,
     sum: f64,
+    /// A key pose, which settling holds.
+    pose: Option<(usize, Joints)>,
 }
 
 /// From the noise in a latent to what the latent would be without: `clean = (latent - add * noise) / keep`.
@@ -180,6 +182,12 @@ impl<'a> Guide<'a> {
         self.clips.len()
     }
 
+    /// Says which key poses settling holds, one for each clip; the pelvis may be anywhere over the ground.
+    pub(super) fn hold(&mut self, poses: &[Option<&(usize, Joints)>]) {
+        let each = self.clips.iter_mut().zip(poses);
+        each.for_each(|((_, work), pose)| work.pose = pose.copied());
+    }
+
     /// The gradient of what settling lessens: sliding, and distances from what is asked for.
     pub(super) fn settling(
         &mut self,
@@ -193,6 +201,10 @@ impl<'a> Guide<'a> {
             work.places(vae, statistics, clip, latent)?;
             work.sum = clip.target.distance(&work.places.joints, false, weight, &mut work.of_joints);
             slides(&work.places.joints, options.slides, &mut work.of_joints);
+            if let Some(pose) = &work.pose {
+                let (joints, view) = (&work.places.joints, clip.target.view);
+                misses_pose(joints, view, pose, options.keypose, &mut work.of_joints);
+            }
             work.back(vae, statistics, gradient)
         })
     }
@@ -241,9 +253,10 @@ impl<'a> Guide<'a> {
         }
         let with = (self.vae, self.statistics);
         let latents = clean.par_chunks_exact(each).zip(gradient.par_chunks_exact_mut(each));
-        self.clips.par_iter_mut().zip(latents).try_for_each(|((clip, work), (latent, gradient))| {
-            what(work, clip, latent, gradient, with)
-        })
+        self.clips
+            .par_iter_mut()
+            .zip(latents)
+            .try_for_each(|((clip, work), (latent, gradient))| what(work, clip, latent, gradient, with))
     }
 }
 
@@ -407,12 +420,12 @@ mod tests {
         let (slid, missed) = measure(&before);
         let mut guide = Guide::new(&vae, &statistics, &clips);
         let (mut settled, mut still) = (before.clone(), before.clone());
-        guide.settle(&mut settled, &SettleOptions::default()).unwrap();
-        guide.settle(&mut still, &SettleOptions { steps: 0, ..SettleOptions::default() }).unwrap();
+        guide.settle(&mut settled, &[None], &SettleOptions::default()).unwrap();
+        guide.settle(&mut still, &[], &SettleOptions { steps: 0, ..SettleOptions::default() }).unwrap();
         let after = measure(&settled);
         assert!(slid > 0.2 && after.0 < 0.5 * slid && after.1 < missed, "{slid} {missed} {after:?}");
         assert_eq!(still, before);
-        assert!(guide.settle(&mut [0.0; 15], &SettleOptions::default()).is_err());
+        assert!(guide.settle(&mut [0.0; 15], &[], &SettleOptions::default()).is_err());
     }
 
     #[test]

@@ -5,8 +5,11 @@
 //! what was asked for is held meanwhile.
 
 use super::guide::Guide;
+use super::missing::{of_pose, of_pose_back};
+use super::target::View;
 use crate::GenerateError;
-use inkrig_motion::humanml::{FRAME_RATE, JOINTS};
+use inkrig_motion::glam::Vec3;
+use inkrig_motion::humanml::{FRAME_RATE, JOINTS, Joints, augment};
 
 /// Numbers of a frame's places.
 const PLACES: usize = 3 * JOINTS;
@@ -17,6 +20,8 @@ const HEIGHT: f64 = 0.06;
 const SOFT: f64 = 0.01;
 /// A foot that stands may be as quick as this, metres a second: real ones roll.
 const ROLLS: f64 = 0.15;
+/// Below this, metres, distances count by their square.
+const ROUNDED: f64 = 0.01;
 /// Decay of the two means of Adam.
 const DECAY: (f64, f64) = (0.9, 0.99);
 
@@ -31,13 +36,15 @@ pub struct SettleOptions {
     pub slides: f64,
     /// Of what is asked for: the mean distance, metres.
     pub asked: f64,
+    /// Of key poses: the mean distance of their joints, the pelvis at its place, metres.
+    pub keypose: f64,
     /// Of the mean square by which a latent's numbers change.
     pub moved: f64,
 }
 
 impl Default for SettleOptions {
     fn default() -> Self {
-        Self { steps: 40, rate: 0.03, slides: 1.0, asked: 10.0, moved: 0.3 }
+        Self { steps: 40, rate: 0.03, slides: 1.0, asked: 10.0, keypose: 20.0, moved: 0.3 }
     }
 }
 
@@ -49,11 +56,17 @@ struct Means {
 }
 
 impl Guide<'_> {
-    /// Moves clean latents.
+    /// Moves clean latents. `poses` are the key poses of clips, augmented joints in space or on the picture, with their frames.
     ///
     /// # Errors
     /// When the numbers of clips and latents differ, or a clip is too long.
-    pub fn settle(&mut self, latents: &mut [f32], options: &SettleOptions) -> Result<(), GenerateError> {
+    pub fn settle(
+        &mut self,
+        latents: &mut [f32],
+        poses: &[Option<&(usize, Joints)>],
+        options: &SettleOptions,
+    ) -> Result<(), GenerateError> {
+        self.hold(poses);
         let before = latents.to_vec();
         let each = latents.len() / self.count().max(1);
         let mut means = vec![Means::default(); latents.len()];
@@ -104,9 +117,68 @@ pub(super) fn slides(joints: &[f64], weight: f64, gradient: &mut [f64]) -> f64 {
     sum
 }
 
+/// Adds the gradient of a key pose's mean distance, times `weight`, to that of joints; gives the distance, metres.
+pub(super) fn misses_pose(
+    joints: &[f64],
+    view: View,
+    (frame, wanted): &(usize, Joints),
+    weight: f64,
+    gradient: &mut [f64],
+) -> f64 {
+    let first = frame * PLACES;
+    let (Some(own), Some(of)) = (joints.get(first..first + PLACES), gradient.get_mut(first..first + PLACES))
+    else {
+        return 0.0;
+    };
+    let mut now = [Vec3::ZERO; JOINTS];
+    for (now, place) in now.iter_mut().zip(own.chunks_exact(3)) {
+        *now = Vec3::new(place[0] as f32, place[1] as f32, place[2] as f32);
+    }
+    let mut by = of_pose(view, &augment(&now), wanted);
+    let mut sum = 0.0;
+    for way in by.chunks_exact_mut(3) {
+        let square: f64 = way.iter().map(|x| f64::from(x * x)).sum();
+        let length = (square + ROUNDED * ROUNDED).sqrt();
+        sum += (length - ROUNDED) / JOINTS as f64;
+        way.iter_mut().for_each(|x| *x *= (weight / length / JOINTS as f64) as f32);
+    }
+    let of_joints = of_pose_back(view, &by);
+    for (of, by) in of.iter_mut().zip(of_joints.iter().flat_map(|by| by.to_array())) {
+        *of += f64::from(by);
+    }
+    sum
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use inkrig_motion::humanml::Camera;
+
+    #[test]
+    fn the_gradient_of_a_key_pose_is_a_difference() {
+        let place = |joint: usize| Vec3::new(0.1, 0.05 * joint as f32, 0.02 * (joint % 3) as f32);
+        let joints: Vec<f64> =
+            (0..2 * JOINTS).flat_map(|at| place(at % JOINTS).to_array()).map(f64::from).collect();
+        let mut wanted: Joints = std::array::from_fn(place);
+        wanted[7].y += 0.3;
+        wanted[20].x -= 0.2;
+        for view in [View::Space, View::Plane(Camera::default())] {
+            let pose = (1, wanted);
+            let mut gradient = vec![0.0; joints.len()];
+            misses_pose(&joints, view, &pose, 2.0, &mut gradient);
+            assert!(gradient[..PLACES].iter().all(|x| *x == 0.0) && gradient.iter().any(|x| x.abs() > 1e-3));
+            for at in PLACES..2 * PLACES {
+                let value = |by: f64| {
+                    let mut moved = joints.clone();
+                    moved[at] += by;
+                    2.0 * misses_pose(&moved, view, &pose, 0.0, &mut vec![0.0; joints.len()])
+                };
+                let slope = (value(1e-3) - value(-1e-3)) / 2e-3;
+                assert!((slope - gradient[at]).abs() < 0.01, "{at}: {slope} {}", gradient[at]);
+            }
+        }
+        assert_eq!(misses_pose(&joints, View::Space, &(2, wanted), 1.0, &mut vec![0.0; joints.len()]), 0.0);
+    }
 
     /// Both feet at a height, going along x at so many metres a second.
     fn walk(height: f64, speed: f64) -> Vec<f64> {

@@ -4,8 +4,8 @@
 use super::decoded::{Decoded, DecodedLosses, Wanted};
 use crate::GenerateError;
 use crate::networks::{
-    Adapter, ConditionEncoder, ConditionRows, ControlNet, ControlTape, Denoiser, DenoiserTape, Domain, Dropout,
-    EncoderTape, Residuals, Samples, Sizes, Vae, WaveTable, WeightGradients,
+    Adapter, ConditionEncoder, ConditionRows, ControlNet, ControlTape, Denoiser, DenoiserTape, Domain,
+    Dropout, EncoderTape, Residuals, Samples, Sizes, Vae, WaveTable, WeightGradients,
 };
 use crate::numeric::product::OuterWork;
 use crate::schedule::NoiseSchedule;

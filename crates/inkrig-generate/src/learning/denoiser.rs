@@ -1,9 +1,7 @@
 //! One step of the denoiser and the vectors of verbs: loss and gradient of a batch.
 
 use crate::GenerateError;
-use crate::networks::{
-    Denoiser, DenoiserTape, Dropout, Samples, Sizes, WaveTable, WeightGradients,
-};
+use crate::networks::{Denoiser, DenoiserTape, Dropout, Samples, Sizes, WaveTable, WeightGradients};
 use crate::numeric::elementwise::add;
 use crate::numeric::product::OuterWork;
 use crate::text::VerbTable;

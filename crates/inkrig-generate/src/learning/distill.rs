@@ -1,9 +1,7 @@
 //! One step of distilling the denoiser for few steps (latent consistency, Luo et al. 2023; MotionLCM).
 
 use crate::GenerateError;
-use crate::networks::{
-    Denoiser, DenoiserTape, Samples, Sizes, WaveTable, WeightGradients, guidance_waves,
-};
+use crate::networks::{Denoiser, DenoiserTape, Samples, Sizes, WaveTable, WeightGradients, guidance_waves};
 use crate::numeric::product::OuterWork;
 use crate::schedule::{NoiseSchedule, boundary};
 use crate::weights::Tensors;

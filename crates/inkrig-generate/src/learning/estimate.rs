@@ -4,8 +4,8 @@
 use super::placed::{Asked, Distances, Placed};
 use crate::GenerateError;
 use crate::networks::{
-    CORRECTIONS, Correction, CorrectionTape, Denoiser, Domain, Dropout, Estimate, Estimator, EstimatorTape, Noisy, Sizes,
-    Vae, WeightGradients, Work, told,
+    CORRECTIONS, Correction, CorrectionTape, Denoiser, Domain, Dropout, Estimate, Estimator, EstimatorTape,
+    Noisy, Sizes, Vae, WeightGradients, Work, told,
 };
 use crate::numeric::elementwise::add;
 use crate::numeric::product::OuterWork;

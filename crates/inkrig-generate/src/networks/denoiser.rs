@@ -4,9 +4,9 @@
 
 use super::Sizes;
 use super::branch::Branch;
+use super::feeding::Feeding;
 use super::linear::Linear;
 use super::stack::{Ending, Residuals, StackTape};
-use super::feeding::Feeding;
 use super::velocity::{Attending, Velocity};
 use crate::GenerateError;
 use crate::numeric::elementwise::{add, relu};

@@ -4,7 +4,9 @@ use super::model::{EstimateControl, Networks};
 use super::{Conditions, Misses, Semantics};
 use crate::GenerateError;
 use crate::guidance::{GuidanceOptions, Guide, Guided, GuidedClip, SettleOptions};
-use crate::networks::{CORRECTIONS, CorrectionTape, Corrections, Estimate, Noisy, Work, guidance_waves, told};
+use crate::networks::{
+    CORRECTIONS, CorrectionTape, Corrections, Estimate, Noisy, Work, guidance_waves, told,
+};
 use crate::schedule::{Ddim, Lcm, Noise, NoiseSchedule, mix};
 use inkrig_motion::humanml::Statistics;
 
@@ -160,7 +162,8 @@ impl Sampler<'_> {
             seen(StepReport { step, timestep, noise: &noise, latents: &latents });
         }
         if let Some(settle) = &options.settle {
-            guide.settle(&mut latents, settle)?;
+            let poses: Vec<_> = conditions.iter().map(|clip| clip.pose.as_ref()).collect();
+            guide.settle(&mut latents, &poses, settle)?;
         }
         Ok(Sampled { latents, guided })
     }

@@ -133,7 +133,12 @@ pub fn train_denoiser(
 ) -> Result<Report, TrainError> {
     settings.check().map_err(TrainError::Device)?;
     let (header, base) = read_weights(vae)?;
-    let sizes = Sizes { guidance_width: 0, velocity: settings.velocity, trunk: settings.trunk, ..header.sizes.clone() };
+    let sizes = Sizes {
+        guidance_width: 0,
+        velocity: settings.velocity,
+        trunk: settings.trunk,
+        ..header.sizes.clone()
+    };
     let header = ModelHeader { sizes: sizes.clone(), ..header };
     let content = |what: String| TrainError::Content { path: vae.into(), what };
     let (statistics, _) = header.statistics().map_err(|error| content(error.to_string()))?;

@@ -90,13 +90,15 @@ fn of_control(
             sampling: SamplingOptions { guidance, settle, ..sampling.clone() },
             seed,
         };
-        let [real, back] = bounds(&networks.vae, &model.features, &windows, &options(false, (None, None), false))?;
+        let [real, back] =
+            bounds(&networks.vae, &model.features, &windows, &options(false, (None, None), false))?;
         table.rows.push(("real motion".into(), protocol, real));
         table.rows.push(("through the autoencoder".into(), protocol, back));
         let guided = &sampling.guidance;
         let settled = Some(SettleOptions::default());
         let mut runs = Vec::new();
-        for (domain, what) in [(Domain::Space, "conditions in space"), (Domain::Plane, "conditions of a picture")]
+        for (domain, what) in
+            [(Domain::Space, "conditions in space"), (Domain::Plane, "conditions of a picture")]
         {
             if networks.follows(domain) {
                 let plane = domain == Domain::Plane;
