@@ -61,6 +61,7 @@ fn run(vectors: &Vectors, name: &str, semantics: Semantics) -> Option<()> {
         guidance: None,
         guide_every: 1,
         settle: None,
+        from: None,
     };
     let noise = vectors.numbers("noise");
     let sampled = sampler

@@ -255,6 +255,19 @@ pub enum CliError {
         /// What it takes text from.
         what: &'static str,
     },
+    /// No motion of the verb to begin with.
+    #[error(
+        "{}: this model has no example of \"{}\" to begin with",
+        printable::path(path),
+        printable::text(word)
+    )]
+    #[diagnostic(help("leave --start example out; an action word such as walk or jump may have one"))]
+    NoExample {
+        /// The model.
+        path: PathBuf,
+        /// What was asked for.
+        word: String,
+    },
     /// Conditions for a model without networks for them.
     #[error(
         "{}: this model follows words only: it has no networks for --keypose3d and --trajectory3d",

@@ -80,6 +80,7 @@ pub fn blend(
         guidance: options.guidance.clone(),
         guide_every: options.guide_every,
         settle: None,
+        from: None,
     };
     let sampled = sampler.run(&[conditions], &sampling, latents, |_| Vec::new(), |_| {})?;
     let mut decoding = Decoding::default();

@@ -101,6 +101,7 @@ impl Configuration {
             }),
             guide_every: 1,
             settle: None,
+            from: None,
         }
     }
 }

@@ -425,6 +425,7 @@ pub(super) mod tests {
             guidance: None,
             guide_every: 1,
             settle: None,
+            from: None,
         };
         let (mut noise, mut timestep) = (Vec::new(), 0);
         let seen = |report: crate::sampling::StepReport<'_>| {

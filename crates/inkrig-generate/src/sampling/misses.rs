@@ -5,7 +5,7 @@ use crate::GenerateError;
 use crate::guidance::{Places, between, of_pose, of_pose_back, seen_part};
 use crate::networks::{Decoding, MISSED, Vae, missed, missed_back};
 use inkrig_motion::glam::Vec3;
-use inkrig_motion::humanml::{JOINTS, Joints, Statistics, WIDTH, augment};
+use inkrig_motion::humanml::{JOINTS, Statistics, WIDTH, augment};
 
 /// Numbers of a frame's places.
 const PLACES: usize = 3 * JOINTS;
@@ -108,7 +108,7 @@ mod tests {
     use super::super::{Request, Semantics};
     use super::*;
     use crate::guidance::{Ask, View};
-    use inkrig_motion::humanml::Camera;
+    use inkrig_motion::humanml::{Camera, Joints};
 
     #[test]
     fn nothing_is_missed_where_everything_is_and_a_picture_asks_only_for_what_it_shows() {

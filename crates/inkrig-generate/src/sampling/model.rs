@@ -1,5 +1,6 @@
 //! All networks of a model.
 
+use super::Examples;
 use crate::GenerateError;
 use crate::networks::{
     Adapter, ConditionEncoder, ControlNet, Correction, Denoiser, Domain, Estimator, Parts, Sizes, Vae,
@@ -19,6 +20,8 @@ pub struct Networks {
     pub plane: Option<Encoders>,
     /// What makes it follow conditions where the sizes say that an estimate shall.
     pub estimate: Option<EstimateControl>,
+    /// Motions to begin with.
+    pub examples: Option<Examples>,
 }
 
 /// Control by an estimate.
@@ -79,6 +82,7 @@ impl Networks {
             None
         };
         Ok(Self {
+            examples: Examples::of(weights, sizes.latent_tokens * sizes.width)?,
             vae: Vae::new(sizes, weights)?,
             denoiser: Denoiser::new(sizes, weights)?,
             control,

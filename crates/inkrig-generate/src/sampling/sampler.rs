@@ -7,7 +7,7 @@ use crate::guidance::{GuidanceOptions, Guide, Guided, GuidedClip, SettleOptions}
 use crate::networks::{
     CORRECTIONS, CorrectionTape, Corrections, Estimate, Noisy, Work, guidance_waves, told,
 };
-use crate::schedule::{Ddim, Lcm, Noise, NoiseSchedule, mix};
+use crate::schedule::{Ddim, Lcm, Noise, NoiseSchedule, STEPS, mix};
 use inkrig_motion::humanml::Statistics;
 
 /// How clips are sampled.
@@ -26,6 +26,8 @@ pub struct SamplingOptions {
     pub guide_every: usize,
     /// Whether feet that stand are kept from sliding at the end, and how.
     pub settle: Option<SettleOptions>,
+    /// The step of training that denoising begins at, of many steps; at the most noise where nothing is said. What it begins with is to be as noisy.
+    pub from: Option<usize>,
 }
 
 /// The steps from noise to a latent.
@@ -42,7 +44,15 @@ impl Default for SamplingOptions {
     fn default() -> Self {
         let guidance = Some(GuidanceOptions::default());
         let (semantics, text_weight) = (Semantics::Paper, 7.5);
-        Self { steps: Steps::Lcm(2), text_weight, semantics, guidance, guide_every: 1, settle: None }
+        Self {
+            steps: Steps::Lcm(2),
+            text_weight,
+            semantics,
+            guidance,
+            guide_every: 1,
+            settle: None,
+            from: None,
+        }
     }
 }
 
@@ -79,6 +89,11 @@ pub struct Sampler<'a> {
     pub no_text: &'a [f32],
 }
 
+/// The noise of a clip: it belongs to the seed and its number.
+fn stream(seed: u64, clip: u64) -> Noise {
+    Noise::new(mix(seed).wrapping_add(mix(clip)))
+}
+
 enum Schedule {
     Ddim(Ddim),
     Lcm(Lcm),
@@ -108,11 +123,37 @@ impl Sampler<'_> {
         seed: u64,
     ) -> Result<Sampled, GenerateError> {
         let each = self.networks.vae.latent_width();
-        let mut streams: Vec<Noise> =
-            (0..conditions.len() as u64).map(|clip| Noise::new(mix(seed).wrapping_add(mix(clip)))).collect();
+        let mut streams: Vec<Noise> = (0..conditions.len() as u64).map(|clip| stream(seed, clip)).collect();
         let mut fresh = || streams.iter_mut().flat_map(|stream| stream.normals(each)).collect::<Vec<f32>>();
         let start = fresh();
         self.run(conditions, options, start, |_| fresh(), |_| {})
+    }
+
+    /// Samples as [`Self::sample`] does, but begins with clean latents, one clip's after the other, that are made as noisy as the step is which
+    /// `options` begin at.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn sample_near(
+        &self,
+        examples: &[f32],
+        conditions: &[Conditions],
+        options: &SamplingOptions,
+        seed: u64,
+    ) -> Result<Sampled, GenerateError> {
+        let schedule = NoiseSchedule::default();
+        let mut start = examples.to_vec();
+        let each = self.networks.vae.latent_width();
+        let expected = each * conditions.len();
+        if start.len() != expected {
+            let what = "latents to begin with";
+            return Err(GenerateError::Length { what, expected, got: start.len() });
+        }
+        for (clip, latent) in start.chunks_exact_mut(each).enumerate() {
+            let noise = stream(seed, clip as u64).normals(each);
+            schedule.add_noise(latent, &noise, options.from.unwrap_or(STEPS - 1).min(STEPS - 1));
+        }
+        self.run(conditions, options, start, |_| Vec::new(), |_| {})
     }
 
     /// Samples from latents of noise; `fresh` gives new noise for the step after the one that it is asked with, where the
@@ -141,7 +182,10 @@ impl Sampler<'_> {
             options.guidance.as_ref().filter(|_| clips.iter().any(|clip| !clip.target.asks.is_empty()));
         let mut guide = Guide::new(&self.networks.vae, self.features, &clips);
         let (mut latents, mut guided, mut work) = (start, Vec::new(), Work::default());
-        let timesteps = schedule.timesteps();
+        let mut timesteps = schedule.timesteps();
+        if let (Some(from), Schedule::Ddim(_)) = (options.from, &schedule) {
+            timesteps.retain(|timestep| *timestep <= from);
+        }
         for (step, &timestep) in timesteps.iter().enumerate() {
             let mut noise =
                 self.noise(conditions, &prepared, options, &latents, timestep, &mut texts, &mut work)?;

@@ -49,6 +49,10 @@ pub struct GenerateArgs {
     /// Steps from noise to motion: ddim (50), or 1, 2 or 4 of a model that was distilled for few, as the one that comes with inkrig also is [default: ddim, or 2 of a distilled one]
     #[arg(long)]
     pub steps: Option<StepsArg>,
+    /// What denoising begins with: a motion of the word's verb that the model has learned from, made so noisy that most of it is lost, or noise alone
+    /// [default: example, where the model has some, fifty steps are taken, and nothing is asked for but the word]
+    #[arg(long, value_enum)]
+    pub start: Option<StartArg>,
     /// How much more the word counts than no word does: more is clearer and less varied, far more is no motion [default: the
     /// model's own]
     #[arg(long, value_name = "WEIGHT", value_parser = numbers::text_weight, allow_negative_numbers = true)]
@@ -93,6 +97,15 @@ pub enum StepsArg {
     Four,
     /// Fifty, of a model that was not distilled.
     Ddim,
+}
+
+/// What denoising begins with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum StartArg {
+    /// A motion of the same verb.
+    Example,
+    /// Nothing but noise.
+    Noise,
 }
 
 /// How trajectories are met.

@@ -26,7 +26,7 @@ pub use convert::{ConvertArgs, ToArg};
 pub use data::{CorpusArgs, DataArgs, DataCommand};
 pub use evaluate::{EvaluateArgs, EvaluateCommand, EvaluateOnArgs, JointsArg, SplitArg};
 pub use evaluate_readers::{EvaluateSketchArgs, EvaluateWordArgs};
-pub use generate::{GenerateArgs, GroundArg, GuidanceArg, StepsArg};
+pub use generate::{GenerateArgs, GroundArg, GuidanceArg, StartArg, StepsArg};
 pub use model::{ModelArgs, ModelCommand, ModelImportArgs, ModelInspectArgs, ModelPackArgs, TextArg};
 pub use redo::RedoArgs;
 pub use retarget::RetargetArgs;

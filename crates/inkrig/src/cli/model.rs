@@ -80,6 +80,9 @@ pub struct ModelPackArgs {
     /// What to call the model [default: the file's name]
     #[arg(long, value_name = "TEXT")]
     pub name: Option<String>,
+    /// Give it a few motions of each verb, from this corpus, that denoising may begin with
+    #[arg(long, value_name = "CORPUS", value_hint = ValueHint::DirPath)]
+    pub examples: Option<PathBuf>,
     /// How much more its words shall count than no word does, if --text-weight of inkrig generate does not say
     #[arg(long, value_name = "WEIGHT", value_parser = numbers::text_weight, allow_negative_numbers = true)]
     pub text_weight: Option<f64>,

@@ -12,6 +12,7 @@ use inkrig_generate::checkpoint::{
 };
 use inkrig_generate::configuration::TextEncoderKind;
 use inkrig_generate::weights::Tensor;
+use inkrig_train::training::examples;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -127,7 +128,11 @@ fn pack(args: &ModelPackArgs, console: &Console) -> Result<(), CliError> {
     let output = Output { force: args.force };
     output.check(&args.output)?;
     let stage = console.stage(format!("reading {}", printable::path(&args.file)));
-    let (header, tensors) = read(&args.file)?;
+    let (header, mut tensors) = read(&args.file)?;
+    if let Some(corpus) = &args.examples {
+        let found = examples(corpus, &header, &tensors).map_err(|cause| CliError::Train(Box::new(cause)))?;
+        tensors.extend(found);
+    }
     let base = args.without.as_deref().map(read).transpose()?.map(|(_, tensors)| tensors);
     let same = |name: &str, tensor: &Tensor| {
         let base = base.as_ref().and_then(|base| base.get(name));

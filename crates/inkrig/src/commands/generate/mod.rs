@@ -5,7 +5,7 @@ mod ground;
 mod record;
 pub(super) mod text;
 
-use crate::cli::{GenerateArgs, GroundArg, GuidanceArg, StepsArg};
+use crate::cli::{GenerateArgs, GroundArg, GuidanceArg, StartArg, StepsArg};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::printable;
@@ -22,8 +22,11 @@ use inkrig_generate::checkpoint::{CheckpointError, ModelFile, ModelHeader};
 use inkrig_generate::configuration::Configuration;
 use inkrig_generate::guidance::{Ask, Guided, SettleOptions, View};
 use inkrig_generate::networks::{Decoding, Domain};
-use inkrig_generate::sampling::{Conditions, Networks, Request, Sampler, SamplingOptions, Semantics, Steps};
-use inkrig_generate::text::TextEncoder;
+use inkrig_generate::sampling::{
+    Conditions, Examples, Networks, Request, Sampler, SamplingOptions, Semantics, Steps,
+};
+use inkrig_generate::schedule::Noise;
+use inkrig_generate::text::{TextEncoder, actions_in};
 use inkrig_generate::{GenerateError, weights::Tensors};
 use inkrig_motion::humanml::{FRAME_RATE, Joints, Statistics, WIDTH, recover_positions, skeleton, to_clip};
 use inkrig_motion::{Clip, Features};
@@ -260,7 +263,15 @@ impl Model {
         };
         let conditions = Conditions::new(&request, &self.places, options.semantics).map_err(wrong)?;
         let sampler = Sampler { networks, features: &self.features, no_text: &no_text };
-        let sampled = sampler.sample(&[conditions], options, args.seed).map_err(wrong)?;
+        let conditions = [conditions];
+        let sampled = match self.example(args, options)? {
+            Some(example) => {
+                let options = SamplingOptions { from: Some(Examples::TIMESTEP), ..options.clone() };
+                sampler.sample_near(&example, &conditions, &options, args.seed)
+            }
+            None => sampler.sample(&conditions, options, args.seed),
+        };
+        let sampled = sampled.map_err(wrong)?;
         let mut decoding = Decoding::default();
         networks.vae.decode(&sampled.latents, &[request.frames], &mut decoding).map_err(wrong)?;
         let mut rows = decoding.features().to_vec();
@@ -277,6 +288,27 @@ impl Model {
             (made.clip, made.ground) = (clip, Some(record));
         }
         Ok(made)
+    }
+
+    /// What denoising begins with, where that is a motion that was learned from.
+    fn example(&self, args: &GenerateArgs, options: &SamplingOptions) -> Result<Option<Vec<f32>>, CliError> {
+        let asked = args.keypose3d.is_some() || args.trajectory3d.is_some();
+        let many = matches!(options.steps, Steps::Ddim(_));
+        let mut noise = Noise::new(args.seed ^ 0x6578_616d_706c_6573);
+        let of_word = actions_in(&args.word).into_iter().next();
+        let picked = self.networks()?.examples.as_ref().zip(of_word);
+        let picked = picked.and_then(|(examples, verb)| examples.pick(verb, &mut noise));
+        match args.start {
+            Some(StartArg::Noise) => Ok(None),
+            None => Ok(picked.filter(|_| many && !asked).map(<[f32]>::to_vec)),
+            Some(StartArg::Example) if !many => {
+                Err(CliError::NoEffect { flag: "--start example", with: "--steps 1, 2 or 4" })
+            }
+            Some(StartArg::Example) => match picked {
+                Some(example) => Ok(Some(example.to_vec())),
+                None => Err(CliError::NoExample { path: self.path.clone(), word: args.word.clone() }),
+            },
+        }
     }
 
     /// The motion on the model's body, by the joints' places: those are what conditions and guidance are about.
