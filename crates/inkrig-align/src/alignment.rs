@@ -26,6 +26,10 @@ pub struct Alignment {
     pub source: Takes,
     /// Which source patches (columns) every control patch (row) is made of.
     pub plan: Plan<f32>,
+    /// For every row of the plan, the control sample in the middle of its patch.
+    pub plan_rows: Vec<usize>,
+    /// For every column of the plan, the frame of the source as it was given in the middle of its patch.
+    pub plan_columns: Vec<Moment>,
     /// For every control sample, the moment of [`Self::source`] that it uses most, seconds from the first take's
     /// beginning, takes played one after the other.
     pub best_source: Vec<f32>,
@@ -88,6 +92,14 @@ pub(crate) fn align_with(
     let places = places(&given, &lead_ins, &matched);
     let place = |seconds: &f32| (f64::from(*seconds) * options.matching_rate).round() as usize;
     let used = best_source.iter().filter_map(|seconds| places.get(place(seconds)).copied()).collect();
+    let middle = |layout: &Layout, first: usize| first + layout.patch() / 2;
+    let plan_rows =
+        rows.first_frames().into_iter().map(|first| middle(&rows, first) % rows.frames().max(1)).collect();
+    let plan_columns = columns
+        .first_frames()
+        .into_iter()
+        .filter_map(|first| places.get(middle(&columns, first)).copied())
+        .collect();
     clock.stage("reconstruction");
     let quality = Quality::of(&source, &clip, &layout, (&features, &columns), (&drawn, &rows), options)?;
     let heard = control.heard.as_ref().map(|heard| -> Result<SoundFit, AlignError> {
@@ -130,7 +142,19 @@ pub(crate) fn align_with(
         levels: matching.levels,
     };
     report.notes = notes(&report, options, (&drawn, &rows), &columns);
-    Ok(Alignment { clip, source, plan: matching.plan, best_source, confidence, used, lead_ins, report })
+    let plan = matching.plan;
+    Ok(Alignment {
+        clip,
+        source,
+        plan,
+        plan_rows,
+        plan_columns,
+        best_source,
+        confidence,
+        used,
+        lead_ins,
+        report,
+    })
 }
 
 /// Wall time of the stages of a run.

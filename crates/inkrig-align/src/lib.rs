@@ -14,6 +14,7 @@ mod comparison;
 mod control;
 mod error;
 mod explain;
+mod frame_rate;
 mod keys;
 mod large;
 mod layout;
@@ -46,6 +47,7 @@ pub use comparison::Comparison;
 pub use control::{Control, ControlKind, CurveOptions, Domain, SoundOptions};
 pub use error::AlignError;
 pub use explain::{Alternative, Explanation, alternatives};
+pub use frame_rate::{at_frame_rate, exact_frames};
 pub use keys::{Key, KeyRow, Keys, Place, Pose, pose_errors};
 pub use layout::{Layout, Run};
 pub use live::{

@@ -1,6 +1,5 @@
 //! `inkrig align`: a clip and a control in, a clip that follows the control out.
 
-use super::at_rate::at_rate;
 use super::control::control;
 use super::keys::{self, Kept};
 use super::record::{self, Explained, Record, Solution};
@@ -16,7 +15,9 @@ use crate::provenance::{Facts, Run};
 use crate::results::{self, Made, Places};
 use crate::span::Span;
 use crate::{clip_path, load, names, printable, span};
-use inkrig_align::{Alignment, Alternative, Control, Norm, Options, align, alternatives, keys_on_map};
+use inkrig_align::{
+    Alternative, Control, Norm, Options, align, alternatives, at_frame_rate, exact_frames, keys_on_map,
+};
 use inkrig_formats::{Import, SourceInfo};
 use inkrig_motion::{Clip, MotionError, Takes, cycle, time};
 use std::collections::BTreeSet;
@@ -76,9 +77,10 @@ pub(super) fn run(args: &AlignArgs, run: &Run<'_>, console: &Console) -> Result<
         alignment.report.notes.extend(ground.notes());
         if let Some(rate) = args.fps {
             // Before anything is told or shown of it, so that all results are of the clip that is written.
-            at_rate(alignment, rate, args.cyclic)?;
+            let keys = &mut alignment.report.keys;
+            alignment.clip = at_frame_rate(&alignment.clip, keys, rate, args.cyclic)?;
         }
-        let exact = exact_frames(alignment);
+        let exact = exact_frames(&alignment.clip, &alignment.report.keys);
         let baked = bake::bake(alignment.clip.clone(), &args.bake, &exact, (format, &written_as))?;
         alignment.clip = baked.clip;
         alignment.report.notes.extend(baked.record.as_ref().map(BakeRecord::note));
@@ -326,13 +328,6 @@ fn check_names(args: &AlignArgs, inputs: &[PathBuf], run: &Run<'_>) -> Result<()
         run.check(path)?;
     }
     Ok(())
-}
-
-/// Frames of the result that hold exact poses, as `at_rate` has placed them.
-fn exact_frames(alignment: &Alignment) -> Vec<usize> {
-    let rate = alignment.clip.frame_rate();
-    let hard = alignment.report.keys.iter().filter(|key| key.kind == "hard");
-    hard.map(|key| (key.seconds * rate).round() as usize).collect()
 }
 
 fn title(args: &AlignArgs) -> String {

@@ -1,7 +1,6 @@
 //! One module a command: arguments in, files and words out.
 
 mod align;
-mod at_rate;
 mod bench;
 mod certificate;
 pub(crate) mod control;

@@ -1,8 +1,7 @@
 //! A result at another frame rate, with its exact poses still in it.
 
-use crate::error::CliError;
-use inkrig_align::{Alignment, KeyRow, pose_errors};
-use inkrig_motion::{Clip, cycle, time};
+use crate::{KeyRow, pose_errors};
+use inkrig_motion::{Clip, MotionError, cycle, time};
 
 /// Frames of the result over which time is moved a little around an exact pose.
 const REACH: f64 = 4.0;
@@ -17,11 +16,13 @@ struct Move {
     late: f64,
 }
 
-/// Brings a result to another rate, a loop to the nearest whole number of frames. Exact poses stay exact: each goes to
-/// the nearest new frame, and time around it is moved by the rest, about half a frame. How well they were met is
-/// measured again.
-pub(super) fn at_rate(alignment: &mut Alignment, rate: f64, cyclic: bool) -> Result<(), CliError> {
-    let clip = &alignment.clip;
+/// A result at another rate, a loop with the nearest whole number of frames. Exact poses stay exact: each goes to the
+/// nearest new frame, and time around it is moved by the rest, about half a frame. How well they were met is measured
+/// again, and stands in `keys` with the time of the new frame. Keys are those of the result as `clip` has it.
+///
+/// # Errors
+/// When the rate is not usable.
+pub fn at_frame_rate(clip: &Clip, keys: &mut [KeyRow], rate: f64, cyclic: bool) -> Result<Clip, MotionError> {
     let plain = if cyclic { cycle::resample_loop(clip, rate)? } else { time::resample(clip, rate)? };
     let frames = plain.frames();
     let step = if cyclic { clip.frames() as f64 / frames.max(1) as f64 } else { clip.frame_rate() / rate };
@@ -31,8 +32,7 @@ pub(super) fn at_rate(alignment: &mut Alignment, rate: f64, cyclic: bool) -> Res
         Move { at: at as usize, frame: frame as usize, late: frame - at * step }
     };
     let exact = |key: &&mut KeyRow| key.kind == "hard";
-    let mut moves: Vec<Move> =
-        alignment.report.keys.iter().filter(|key| key.kind == "hard").map(moved).collect();
+    let mut moves: Vec<Move> = keys.iter().filter(|key| key.kind == "hard").map(moved).collect();
     moves.sort_by_key(|one| one.at);
     moves.dedup_by_key(|one| one.at);
     let out = if moves.iter().all(|one| one.late.abs() < 1e-6) {
@@ -49,12 +49,17 @@ pub(super) fn at_rate(alignment: &mut Alignment, rate: f64, cyclic: bool) -> Res
             .collect();
         if cyclic { cycle::sample_loop(clip, &places, rate)? } else { time::sample_at(clip, &places, rate)? }
     };
-    for key in alignment.report.keys.iter_mut().filter(exact) {
+    for key in keys.iter_mut().filter(exact) {
         let Move { at, frame, .. } = moved(key);
         measure(key, (clip, frame), (&out, at));
     }
-    alignment.clip = out;
-    Ok(())
+    Ok(out)
+}
+
+/// Frames of a result that hold exact poses.
+pub fn exact_frames(clip: &Clip, keys: &[KeyRow]) -> Vec<usize> {
+    let hard = keys.iter().filter(|key| key.kind == "hard");
+    hard.map(|key| (key.seconds * clip.frame_rate()).round() as usize).collect()
 }
 
 /// By how many old frames time is moved at a new frame. `ring`: the frames of a loop.
