@@ -4,7 +4,6 @@ use super::clips::{Figure, figure};
 use super::request::{Json as JsonBody, Query};
 use super::{ApiError, Blocking, ErrorBody};
 use crate::StudioError;
-use crate::engine::poses::encode_plan;
 use crate::engine::results::{Finished, ResultFacts};
 use crate::engine::suggest::{Suggestions, suggestions as suggest};
 use crate::events::{JobKind, JobState};
@@ -98,7 +97,7 @@ pub(crate) async fn skeleton(
 }
 
 /// The poses of a result.
-#[utoipa::path(get, path = "/api/results/{id}/poses", params(("id" = String, Path)), responses((status = 200, content_type = "application/octet-stream", body = inline(Vec<u8>)), (status = "4XX", body = ErrorBody)))]
+#[utoipa::path(get, operation_id = "resultPoses", path = "/api/results/{id}/poses", params(("id" = String, Path)), responses((status = 200, content_type = "application/octet-stream", body = inline(Vec<u8>)), (status = "4XX", body = ErrorBody)))]
 pub(crate) async fn poses(
     State(app): State<Arc<App>>,
     Path(id): Path<String>,
@@ -120,7 +119,7 @@ pub(crate) async fn plan(
     let (width, height) = (side(size.width, 300), side(size.height, 150));
     let bytes = Blocking::run(move || {
         let plan = result.plan.as_ref().ok_or_else(|| StudioError::unknown("plan of", &result.facts.id))?;
-        Ok(encode_plan(plan, width, height))
+        Ok(plan.encode(width, height))
     });
     Ok(([(CONTENT_TYPE, "application/octet-stream")], bytes.await?))
 }

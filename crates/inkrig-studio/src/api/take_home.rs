@@ -5,7 +5,8 @@ use super::{ApiError, Blocking, ErrorBody};
 use crate::StudioError;
 use crate::document::{ClipEntry, ClipRole, FixedPart, Key, KeyKind};
 use crate::engine::command_line::command_line as line;
-use crate::engine::take_home::{Bake, CertificateFacts, file, retarget as carry_over};
+use crate::engine::results::KeyFacts;
+use crate::engine::take_home::{Bake, CertificateFacts, Motion, file, retarget as carry_over};
 use crate::engine::{Prepared, clip};
 use crate::project::Kind;
 use crate::server::App;
@@ -14,8 +15,7 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
 use axum::response::IntoResponse;
-use inkrig_formats::{ExportOptions, Format, SourceInfo, write_motion};
-use inkrig_motion::Clip;
+use inkrig_formats::{ExportOptions, Format, write_motion};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use utoipa::ToSchema;
@@ -115,20 +115,33 @@ pub(crate) async fn lock(
             unit,
             ..ClipEntry::default()
         };
-        let key = Key {
-            id: format!("keep-{id}"),
-            enabled: true,
-            kind: KeyKind::Fixed,
-            place: None,
-            pose: None,
-            weight: None,
-            distance: None,
-            radius: None,
-            fixed: Some(FixedPart { clip: id, from, to }),
-        };
         let applied = app.studio.change(&name, None, |document| {
+            let (mut from, mut to) = (from, to);
+            // A part that was kept when this result was made is in it as it was: what overlaps becomes one part.
+            document.keys.retain(|key| {
+                let known = |facts: &KeyFacts| facts.id == key.id && facts.waits.is_none();
+                match &key.fixed {
+                    Some(part)
+                        if part.from < to && from < part.to && finished.facts.keys.iter().any(known) =>
+                    {
+                        (from, to) = (from.min(part.from), to.max(part.to));
+                        false
+                    }
+                    _ => true,
+                }
+            });
+            document.keys.push(Key {
+                id: format!("keep-{id}"),
+                enabled: true,
+                kind: KeyKind::Fixed,
+                place: None,
+                pose: None,
+                weight: None,
+                distance: None,
+                radius: None,
+                fixed: Some(FixedPart { clip: id, from, to }),
+            });
             document.clips.push(clip);
-            document.keys.push(key);
             Ok(())
         })?;
         Ok(Json(applied))
@@ -146,10 +159,10 @@ pub(crate) async fn export(
         let known = "files are written as .bvh, .glb, .fbx, .usda and .vrma, and into a .gltf or .vrm that was dropped";
         let format = Format::from_extension(&asked.format).filter(|format| format.is_written());
         let format = format.ok_or_else(|| StudioError::Kind { name: asked.format.chars().take(20).collect(), known })?;
-        let (clip, written_as, is_loop, called) = find(&app, &asked.of)?;
+        let motion = find(&app, &asked.of)?;
         let fps = asked.fps.or(app.studio.now().0.settings.fps);
-        let name = asked.name.unwrap_or(called);
-        let bytes = file((&clip, &written_as, is_loop), format, fps, &name, asked.bake)?;
+        let name = asked.name.unwrap_or_else(|| motion.name.clone());
+        let bytes = file(motion, format, fps, &name, asked.bake)?;
         Ok((format!("{}.{}", plain(&name), format.extension()), bytes))
     })
     .await?;
@@ -164,7 +177,7 @@ pub(crate) async fn retarget(
     JsonBody(asked): JsonBody<RetargetAsked>,
 ) -> Result<Json<RetargetDone>, ApiError> {
     Blocking::run(move || {
-        let (motion, ..) = find(&app, &asked.of)?;
+        let motion = find(&app, &asked.of)?;
         let (document, revision) = app.studio.now();
         let folder = app.studio.project().folder().clone();
         let character = clip(&document, &folder, &app.studio.media, &asked.onto)?;
@@ -192,22 +205,29 @@ pub(crate) async fn command_line(State(app): State<Arc<App>>) -> Result<Json<Com
     .await
 }
 
-/// A result or a clip: its motion, how it is written, whether it is a loop, and what it is called.
-fn find(app: &App, id: &str) -> Result<(Clip, SourceInfo, bool, String), StudioError> {
+/// A result or a clip.
+fn find(app: &App, id: &str) -> Result<Motion, StudioError> {
     let (document, _) = app.studio.now();
     let result = app.studio.solver.results().get(id);
     if let Some(result) = result {
-        return Ok((
-            result.clip.clone(),
-            result.written_as.clone(),
-            result.facts.cyclic,
-            document.name.clone(),
-        ));
+        return Ok(Motion {
+            clip: result.clip.clone(),
+            written_as: result.written_as.clone(),
+            is_loop: result.facts.cyclic,
+            name: document.name.clone(),
+            keys: result.key_rows.clone(),
+        });
     }
     let folder = app.studio.project().folder().clone();
     let import = clip(&document, &folder, &app.studio.media, id)?;
     let name = document.clip(id).map(|entry| entry.name.clone()).unwrap_or_default();
-    Ok((import.clip.clone(), import.source.clone(), false, name))
+    Ok(Motion {
+        clip: import.clip.clone(),
+        written_as: import.source.clone(),
+        is_loop: false,
+        name,
+        keys: Vec::new(),
+    })
 }
 
 /// A name for a header and for any file system.

@@ -3,8 +3,10 @@
 pub mod command_line;
 pub(crate) mod drawings;
 pub mod gauges;
+mod keys;
 pub mod media;
 mod over_ground;
+pub mod plan;
 pub mod poses;
 mod prepare;
 pub mod results;
@@ -13,7 +15,8 @@ mod source_map;
 pub mod suggest;
 pub mod take_home;
 
+pub use keys::Waiting;
 pub(crate) use over_ground::over_ground;
 pub(crate) use prepare::clip;
-pub use prepare::{Prepared, SourceKey};
+pub use prepare::{Prepared, SourceKey, Wishes};
 pub use source_map::SourceMap;

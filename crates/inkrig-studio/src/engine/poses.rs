@@ -1,7 +1,6 @@
 //! Motions and plans as bytes for the page: little endian, quaternions as four 16-bit numbers.
 
 use inkrig_motion::Clip;
-use inkrig_transport::Plan;
 
 /// What a block of poses is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +60,6 @@ impl PoseHead {
 }
 
 const MAGIC: u32 = 0x3150_4B49;
-const PLAN_MAGIC: u32 = 0x314D_4B49;
 
 /// The poses of a clip. `used` says for every control sample which source frame it uses most.
 pub fn encode(clip: &Clip, head: &PoseHead, used: &[u32]) -> Vec<u8> {
@@ -109,23 +107,6 @@ pub fn encode(clip: &Clip, head: &PoseHead, used: &[u32]) -> Vec<u8> {
     out
 }
 
-/// A plan as a picture: columns are control samples, rows source frames, the first at the top; 255 is the largest entry.
-pub fn encode_plan(plan: &Plan<f32>, width: usize, height: usize) -> Vec<u8> {
-    // The plan's own picture has control samples downward.
-    let picture = plan.heat_map(height, width);
-    let mut out = Vec::with_capacity(16 + width * height);
-    [PLAN_MAGIC, width as u32, height as u32, 0]
-        .into_iter()
-        .for_each(|value| out.extend(value.to_le_bytes()));
-    for row in 0..height {
-        out.extend((0..width).map(|column| {
-            let value = picture.get(column * height + row).copied().unwrap_or_default();
-            (value.clamp(0.0, 1.0) * 255.0).round() as u8
-        }));
-    }
-    out
-}
-
 fn pad(out: &mut Vec<u8>) {
     out.resize(out.len().next_multiple_of(4), 0);
 }
@@ -135,7 +116,6 @@ mod tests {
     use super::*;
     use inkrig_motion::glam::{Quat, Vec3};
     use inkrig_motion::{Joint, Skeleton, TranslationTrack};
-    use inkrig_transport::Mat;
     use std::sync::Arc;
 
     #[test]
@@ -170,17 +150,5 @@ mod tests {
         assert!((f32::from(short(second + 4)) / 32767.0 - turn.z).abs() < 2e-5);
         assert_eq!(bytes.len(), rotations + 6 * 8 + 2 * 4);
         assert_eq!(int(bytes.len() - 4), 6);
-    }
-
-    #[test]
-    fn a_plan_has_the_source_upright() {
-        let plan = Plan::from_mat(Mat::from_fn(
-            4,
-            2,
-            |control, source| if control == 3 && source == 1 { 1.0 } else { 0.0 },
-        ));
-        let bytes = encode_plan(&plan, 4, 2);
-        assert_eq!(bytes[..4], *b"IKM1");
-        assert_eq!(bytes[16..], [0, 0, 0, 0, 0, 0, 0, 255]);
     }
 }

@@ -1,11 +1,12 @@
 //! What a document asks of the engine.
 
 use super::SourceMap;
+use super::keys::{Waiting, WishedKeys, wished_keys};
 use super::media::Media;
 use crate::StudioError;
-use crate::document::{self, Control as Drawn, CurveTiming, Document, KeyKind, Place as At};
+use crate::document::{self, Control as Drawn, CurveTiming, Document};
 use crate::project::Folder;
-use inkrig_align::{Control, ControlKind, CurveOptions, Key, Options, Place, Pose, Preset, SoundOptions};
+use inkrig_align::{Control, ControlKind, CurveOptions, Options, Preset, SoundOptions};
 use inkrig_formats::{Import, SourceInfo};
 use inkrig_motion::{Takes, cycle, time};
 use inkrig_sketch::{Curve, Format, LabelLength, Labels, Timing, Wave, read_wave};
@@ -20,6 +21,19 @@ pub struct Prepared {
     pub written_as: SourceInfo,
     /// Frames of the page and of the engine.
     pub map: SourceMap,
+}
+
+/// What a document asks of the engine.
+#[derive(Debug)]
+pub struct Wishes {
+    /// What is followed.
+    pub control: Control,
+    /// How, keys included.
+    pub options: Options,
+    /// Ids of the keys of the options, in their order.
+    pub counting: Vec<String>,
+    /// Keys that cannot count as things are.
+    pub waiting: Vec<Waiting>,
 }
 
 /// What a source is made of; equal ones need not be prepared twice.
@@ -61,14 +75,13 @@ impl Prepared {
                     "the range holds nothing of a clip of {seconds:.2} s"
                 )));
             }
-            let start = range.start;
-            let part = time::trim(&import.clip, range)?;
+            let part = time::trim(&import.clip, range.clone())?;
             let lap = part.frames();
             let laps =
                 if document.source.laps > 1 { cycle::laps(&part, document.source.laps)? } else { None };
             let lap = if laps.is_some() { lap.saturating_sub(1).max(1) } else { lap };
             used.push(laps.unwrap_or(part));
-            clips.push((id.clone(), import.clip.clone(), start, lap));
+            clips.push((id.clone(), import.clip.clone(), range, lap));
             written_as.get_or_insert_with(|| import.source.clone());
         }
         let written_as = written_as.ok_or(StudioError::NoSource)?;
@@ -81,12 +94,7 @@ impl Prepared {
     ///
     /// # Errors
     /// When there is nothing to follow, or it cannot be.
-    pub fn wishes(
-        &self,
-        document: &Document,
-        folder: &Folder,
-        media: &Media,
-    ) -> Result<(Control, Options), StudioError> {
+    pub fn wishes(&self, document: &Document, folder: &Folder, media: &Media) -> Result<Wishes, StudioError> {
         let settings = &document.settings;
         let preset = match settings.preset {
             document::Preset::Follow => Preset::Follow,
@@ -100,70 +108,15 @@ impl Prepared {
         set(&mut options.epsilon, settings.blend);
         options.seed = settings.seed;
         options.mirror = settings.mirror;
-        options.keys = self.keys(document, folder, media)?;
         options.validate()?;
-        Ok((control(document, drawn, &options, folder, media)?, options))
-    }
-
-    /// The keys that count.
-    fn keys(&self, document: &Document, folder: &Folder, media: &Media) -> Result<Vec<Key>, StudioError> {
-        let mut keys = Vec::new();
-        for key in document.keys.iter().filter(|key| key.enabled) {
-            let pose = || -> Result<Pose, StudioError> {
-                let missing = || StudioError::invalid(format!("key {} has no pose", key.id));
-                let at = key.pose.as_ref().ok_or_else(missing)?;
-                if let Some(frame) = self.map.to_takes(&at.clip, at.frame) {
-                    return Ok(Pose::Frame(frame));
-                }
-                let import = clip(document, folder, media, &at.clip)?;
-                let name = document.clip(&at.clip).map(|clip| clip.name.clone()).unwrap_or_default();
-                Ok(Pose::Of { name, clip: Arc::new(import.clip.clone()), frame: at.frame })
-            };
-            let place = || match &key.place {
-                Some(At::Time { seconds }) => Ok(Place::Time(*seconds)),
-                Some(At::Point { point }) => Ok(Place::Value(point.to_vec())),
-                Some(At::Value { value }) => Ok(Place::Value(vec![*value])),
-                Some(At::Label { label }) => Ok(Place::Label(label.clone())),
-                None => Err(StudioError::invalid(format!("key {} has no place", key.id))),
-            };
-            keys.push(match key.kind {
-                KeyKind::Soft => {
-                    Key::Soft { place: place()?, pose: pose()?, weight: key.weight.unwrap_or(0.5) }
-                }
-                KeyKind::Avoid => Key::Avoid {
-                    pose: pose()?,
-                    distance: key.distance.unwrap_or(1.0),
-                    weight: key.weight.unwrap_or(1.0),
-                },
-                KeyKind::Never => Key::Never { pose: pose()?, radius: key.radius.unwrap_or(0.25) },
-                KeyKind::Hard => {
-                    let Some(At::Time { seconds }) = key.place else {
-                        return Err(StudioError::invalid(format!(
-                            "key {} is exact and needs a time",
-                            key.id
-                        )));
-                    };
-                    let Pose::Frame(frame) = pose()? else {
-                        let what = format!(
-                            "key {} is exact: take a pose of the part of a clip that is arranged",
-                            key.id
-                        );
-                        return Err(StudioError::invalid(what));
-                    };
-                    Key::Hard { seconds, frame }
-                }
-                KeyKind::Fixed => {
-                    let missing = || StudioError::invalid(format!("key {} says not what stays", key.id));
-                    let part = key.fixed.as_ref().ok_or_else(missing)?;
-                    let earlier = clip(document, folder, media, &part.clip)?;
-                    let frame =
-                        |seconds: f64| (seconds * earlier.clip.frame_rate()).round().max(0.0) as usize;
-                    let frames = frame(part.from)..(frame(part.to) + 1).min(earlier.clip.frames());
-                    Key::Fixed { earlier: Arc::new(earlier.clip.clone()), frames }
-                }
-            });
-        }
-        Ok(keys)
+        let control = control(document, drawn, &options, folder, media)?;
+        let rate = options.matching_rate;
+        let seconds = control.frames(rate) as f64 / rate;
+        let WishedKeys { keys, counting, waiting } =
+            wished_keys(document, drawn, seconds, self, (folder, media))?;
+        options.keys = keys;
+        options.validate()?;
+        Ok(Wishes { control, options, counting, waiting })
     }
 }
 

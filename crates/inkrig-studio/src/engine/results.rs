@@ -1,13 +1,13 @@
 //! Finished motions and what is said of them.
 
-use super::SourceMap;
+use super::plan::PlacedPlan;
+use super::{SourceMap, Wishes};
 use crate::document::Document;
 use crate::engine::gauges::{BadFrames, Gauge, gauges};
 use crate::engine::poses::{PoseHead, PoseKind, encode};
-use inkrig_align::{AMBIGUOUS, Alignment, Alternative, Explanation, Options};
+use inkrig_align::{AMBIGUOUS, Alignment, Alternative, Explanation, KeyRow, Options};
 use inkrig_formats::SourceInfo;
 use inkrig_motion::Clip;
-use inkrig_transport::Plan;
 use serde::Serialize;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -26,7 +26,9 @@ pub struct Finished {
     /// How it is written.
     pub written_as: SourceInfo,
     /// Which source patches each control patch is made of; none for what was retargeted.
-    pub plan: Option<Plan<f32>>,
+    pub plan: Option<PlacedPlan>,
+    /// The engine's words on the keys that counted; exact poses are found by them.
+    pub key_rows: Vec<KeyRow>,
     /// For every control sample the source frame that it uses most, all clips counted through.
     pub used: Vec<u32>,
 }
@@ -116,6 +118,8 @@ pub struct KeyFacts {
     pub jump: Option<f64>,
     /// In a word.
     pub met: Verdict,
+    /// Why it could not count, where it could not.
+    pub waits: Option<String>,
 }
 
 /// In a word.
@@ -136,7 +140,7 @@ pub(crate) struct Origin<'a> {
     pub(crate) revision: u32,
     pub(crate) document: &'a Document,
     pub(crate) map: &'a SourceMap,
-    pub(crate) options: &'a Options,
+    pub(crate) wishes: &'a Wishes,
     pub(crate) written_as: SourceInfo,
 }
 
@@ -149,7 +153,8 @@ impl Finished {
         notes: Vec<String>,
         origin: Origin<'_>,
     ) -> Self {
-        let Origin { id, revision, document, map, options, written_as } = origin;
+        let Origin { id, revision, document, map, wishes, written_as } = origin;
+        let options = &wishes.options;
         let Alternative { alignment, objective, distance } = solution;
         let used = used(&alignment, options, map);
         let (gauges, bad_frames) = gauges(&alignment, &clip);
@@ -168,7 +173,7 @@ impl Finished {
             used,
             gauges,
             bad_frames,
-            keys: keys(document, &alignment),
+            keys: keys(document, wishes, &alignment),
             mirror_symmetry: report.mirror_symmetry,
             ambiguous: report.mirror_symmetry >= AMBIGUOUS,
             notes: report.notes.iter().cloned().chain(notes).collect(),
@@ -177,7 +182,8 @@ impl Finished {
             report: serde_json::to_value(report).unwrap_or_default(),
         };
         let used = counted.collect();
-        Self { facts, clip, written_as, plan: Some(alignment.plan), used }
+        let plan = Some(PlacedPlan::of(&alignment, map, options.patch()));
+        Self { facts, clip, written_as, plan, key_rows: alignment.report.keys, used }
     }
 
     /// Its poses as bytes.
@@ -235,14 +241,13 @@ fn used(alignment: &Alignment, options: &Options, map: &SourceMap) -> Used {
     used
 }
 
-fn keys(document: &Document, alignment: &Alignment) -> Vec<KeyFacts> {
-    let counting = document.keys.iter().filter(|key| key.enabled);
+fn keys(document: &Document, wishes: &Wishes, alignment: &Alignment) -> Vec<KeyFacts> {
     let verdict = |good: bool, fair: bool| match (good, fair) {
         (true, _) => Verdict::Good,
         (_, true) => Verdict::Fair,
         _ => Verdict::Poor,
     };
-    let facts = counting.zip(&alignment.report.keys).map(|(key, row)| {
+    let counted = |id: &String, row: &KeyRow| {
         let distance = row.distance.unwrap_or(0.0);
         let asked = row.asked.unwrap_or(0.0);
         let met = match row.kind {
@@ -253,14 +258,28 @@ fn keys(document: &Document, alignment: &Alignment) -> Vec<KeyFacts> {
             _ => row.jump.map_or(Verdict::Good, |jump| verdict(jump <= 2.0, jump <= 4.0)),
         };
         KeyFacts {
-            id: key.id.clone(),
+            id: id.clone(),
             kind: row.kind,
             seconds: row.seconds,
             distance: row.distance,
             correlation: row.correlation,
             jump: row.jump,
             met,
+            waits: None,
         }
+    };
+    let waiting = wishes.waiting.iter().map(|key| KeyFacts {
+        id: key.id.clone(),
+        kind: key.kind,
+        seconds: key.seconds,
+        distance: None,
+        correlation: None,
+        jump: None,
+        met: Verdict::Poor,
+        waits: Some(key.why.clone()),
     });
-    facts.collect()
+    let rows = wishes.counting.iter().zip(&alignment.report.keys);
+    let mut facts: Vec<KeyFacts> = rows.map(|(id, row)| counted(id, row)).chain(waiting).collect();
+    facts.sort_by_key(|facts| document.keys.iter().position(|key| key.id == facts.id));
+    facts
 }

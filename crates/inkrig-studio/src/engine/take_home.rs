@@ -3,12 +3,13 @@
 use super::results::{Finished, ResultFacts, ResultKind, Used, Verdict};
 use crate::StudioError;
 use crate::engine::gauges::BadFrames;
+use inkrig_align::{KeyRow, at_frame_rate, exact_frames};
 use inkrig_formats::{ExportOptions, Format, Import, SourceInfo, write_motion};
+use inkrig_motion::Clip;
 use inkrig_motion::keyframes::{RotationForm, SparseOptions, sparse, stepped};
 use inkrig_motion::retarget::{
     Certificate, CertificateLimits, RetargetOptions, Spread, retarget as carry_over, standing_pose,
 };
-use inkrig_motion::{Clip, cycle, time};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -33,31 +34,42 @@ pub enum Bake {
     },
 }
 
+/// A result or a clip, to be taken home.
+#[derive(Debug, Clone)]
+pub(crate) struct Motion {
+    pub(crate) clip: Clip,
+    pub(crate) written_as: SourceInfo,
+    pub(crate) is_loop: bool,
+    /// What it is called.
+    pub(crate) name: String,
+    /// Of a result, what was said of its keys: exact poses stay in the file, whatever its rate and its keys.
+    pub(crate) keys: Vec<KeyRow>,
+}
+
 /// A motion as a file.
 ///
 /// # Errors
 /// When the format is not written, or cannot hold it.
 pub(crate) fn file(
-    (clip, written_as, is_loop): (&Clip, &SourceInfo, bool),
+    Motion { clip, written_as, is_loop, mut keys, .. }: Motion,
     format: Format,
     fps: Option<f64>,
     name: &str,
     bake: Bake,
 ) -> Result<Vec<u8>, StudioError> {
-    let resampled;
     let clip = match fps {
         Some(rate) => {
             if !(1.0..=1000.0).contains(&rate) {
                 return Err(StudioError::invalid("frames a second have to be from 1 to 1000"));
             }
-            resampled = if is_loop { cycle::resample_loop(clip, rate)? } else { time::resample(clip, rate)? };
-            &resampled
+            at_frame_rate(&clip, &mut keys, rate, is_loop)?
         }
         None => clip,
     };
     let options =
-        ExportOptions { name: Some(name.to_string()), ..ExportOptions::in_format(format, written_as) };
-    let keys = match bake {
+        ExportOptions { name: Some(name.to_string()), ..ExportOptions::in_format(format, &written_as) };
+    let exact = exact_frames(&clip, &keys);
+    let few = match bake {
         Bake::Dense => None,
         Bake::Sparse { millimetres, degrees } => {
             if !(1e-3..=1e3).contains(&millimetres) || !(1e-3..=90.0).contains(&degrees) {
@@ -70,17 +82,17 @@ pub(crate) fn file(
                 _ => RotationForm::Quaternion,
             };
             let (metres, radians) = (millimetres / 1000.0, degrees.to_radians());
-            Some(sparse(clip, &SparseOptions { metres, radians, given: Vec::new(), form }))
+            Some(sparse(&clip, &SparseOptions { metres, radians, given: exact, form }))
         }
         Bake::Stepped { frames } => {
             if !(1.0..=1000.0).contains(&frames) {
                 return Err(StudioError::invalid("a pose is held for 1 to 1000 frames"));
             }
-            Some(stepped(clip, frames, &[]))
+            Some(stepped(&clip, frames, &exact))
         }
     };
-    let written = match keys {
-        None => write_motion(clip, format, &options)?,
+    let written = match few {
+        None => write_motion(&clip, format, &options)?,
         Some(keys) => {
             let baked = keys.clip()?;
             write_motion(&baked, format, &ExportOptions { keys: Some(keys), ..options })?
@@ -100,6 +112,7 @@ pub struct CertificateFacts {
     /// Length of the character over that of the one in the motion.
     pub scale: f64,
     /// Joints of the character, each with the joint of the motion that it follows.
+    #[schema(value_type = Vec<(String, String)>)]
     pub pairs: Vec<[String; 2]>,
     /// Joints of the character that keep their rest.
     pub unmapped: Vec<String>,
@@ -146,7 +159,7 @@ pub struct CertificateRow {
 /// # Errors
 /// When the two characters have nothing to do with each other.
 pub(crate) fn retarget(
-    clip: &Clip,
+    motion: &Motion,
     character: &Import,
     options: (bool, Option<f64>),
     facts: (String, u32, String),
@@ -159,8 +172,8 @@ pub(crate) fn retarget(
         stance: standing_pose(&character.clip),
         map: None,
     };
-    let moved = carry_over(clip, character.clip.skeleton(), &options)?;
-    let certificate = Certificate::of(clip, &moved);
+    let moved = carry_over(&motion.clip, character.clip.skeleton(), &options)?;
+    let certificate = Certificate::of(&motion.clip, &moved);
     let moved = moved.clip;
     let facts = ResultFacts {
         id,
@@ -170,7 +183,7 @@ pub(crate) fn retarget(
         frame_rate: moved.frame_rate(),
         seconds: moved.duration(),
         clip_for_skeleton: onto,
-        cyclic: false,
+        cyclic: motion.is_loop,
         used: Used::default(),
         gauges: Vec::new(),
         bad_frames: BadFrames::default(),
@@ -182,8 +195,14 @@ pub(crate) fn retarget(
         distance: None,
         report: serde_json::Value::Object(serde_json::Map::new()),
     };
-    let finished =
-        Finished { facts, clip: moved, written_as: character.source.clone(), plan: None, used: Vec::new() };
+    let finished = Finished {
+        facts,
+        clip: moved,
+        written_as: character.source.clone(),
+        plan: None,
+        key_rows: motion.keys.clone(),
+        used: Vec::new(),
+    };
     Ok((finished, CertificateFacts::of(&certificate)))
 }
 

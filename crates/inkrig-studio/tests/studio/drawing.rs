@@ -7,7 +7,7 @@ use std::io::{BufRead as _, BufReader, Write as _};
 use std::time::{Duration, Instant};
 
 /// Draws a spiral; returns the poses that came while the pen was down.
-fn draw(studio: &Studio, seconds: f64) -> Vec<Poses> {
+pub(crate) fn draw(studio: &Studio, seconds: f64) -> Vec<Poses> {
     let mut live = studio.live();
     live.text("hello");
     live.say(json!({"type": "begin", "stroke": 1, "mode": "draw"}));
@@ -27,7 +27,7 @@ fn draw(studio: &Studio, seconds: f64) -> Vec<Poses> {
 }
 
 /// The result of the document as it is.
-fn settled(studio: &Studio) -> serde_json::Value {
+pub(crate) fn settled(studio: &Studio) -> serde_json::Value {
     let begin = Instant::now();
     loop {
         let state = studio.get("/api/project").good();

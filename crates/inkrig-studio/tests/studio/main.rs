@@ -13,3 +13,4 @@ mod drawing;
 mod files;
 mod lan;
 mod strangers;
+mod wishes;
