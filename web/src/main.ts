@@ -2,8 +2,7 @@ import './style/tokens.css';
 import './style/layout.css';
 import './style/controls.css';
 
-import { bytes, Refused } from './api/http';
-import { postFor } from './api/http';
+import { Refused } from './api/http';
 import { byId, h } from './base/dom';
 import { css, rampAt } from './base/colour';
 import { scheme, setScheme, startScheme, theme } from './base/theme';
@@ -36,7 +35,7 @@ import { transport } from './panels/transport';
 import { tunePanel } from './panels/tune';
 import { toggleView, viewbar } from './panels/viewbar';
 import { Timeline } from './timeline/timeline';
-import { showSkin } from './viewport/skin';
+import { Character } from './viewport/character';
 import { Stage } from './viewport/stage';
 
 startScheme();
@@ -53,13 +52,14 @@ function start(session: Session): void {
   const files = new Files(session, controls, (text) => (ui.said.value = text));
   const stage = new Stage(byId('stage') as HTMLCanvasElement);
   const board = new Board(session, ui, byId('ink') as HTMLCanvasElement, byId('pen') as HTMLCanvasElement);
+  const character = new Character(session, stage);
   const timeline = new Timeline(session, ui, byId('lanes') as HTMLCanvasElement, byId('head') as HTMLCanvasElement);
   const carry = new Carry(session, ui);
   carry.targets.push(board, timeline);
   const pick = () => pickFiles(files);
 
   const acts = {
-    export: () => showExport(session),
+    export: () => showExport(session, files),
     help: showShortcuts,
     guide: () => guide(session, ui, true),
     side: () => byId('app').classList.toggle('wide'),
@@ -79,7 +79,7 @@ function start(session: Session): void {
     { name: 'map', text: 'Map', panel: mapPanel(session, ui, carry) },
     { name: 'tune', text: 'Adjust', panel: tunePanel(session, controls) },
     { name: 'report', text: 'Report', panel: reportPanel(session) },
-    { name: 'files', text: 'Files', panel: filesPanel(session, files, { pick, skin: (clip) => void skin(clip) }) },
+    { name: 'files', text: 'Files', panel: filesPanel(session, files, { pick, character: character.chosen }) },
   ]);
   boards();
   watch();
@@ -150,22 +150,6 @@ function start(session: Session): void {
       stage.draw();
       if (is) ui.selected.value = null;
     });
-  }
-
-  let unskin: (() => void) | null = null;
-  async function skin(clip: string | null): Promise<void> {
-    unskin?.();
-    if (unskin || !clip) {
-      unskin = null;
-      return;
-    }
-    const result = session.result.value;
-    try {
-      const glb = result ? await (await postFor('export', { of: result.id, format: 'glb', fps: null, name: null })).arrayBuffer() : await bytes(`clips/${clip}/file`);
-      unskin = await showSkin(stage, glb);
-    } catch (error) {
-      session.store.failed.value = error instanceof Refused ? error : new Refused('skin', `The skin cannot be shown: ${String(error)}`, null);
-    }
   }
 
   function keys(): void {

@@ -17,9 +17,10 @@ const GONE = /ERR_CONNECTION|ERR_INCOMPLETE|ERR_EMPTY_RESPONSE|ERR_NETWORK|WebSo
 
 export { rest };
 
-/** Starts `inkrig studio` on a free port; resolves when it says where it is. */
+/** Starts `inkrig studio` on a free port; resolves when it says where it is. `program` may be a list, of what starts it too. */
 export async function startStudio(program, project, files = [], more = []) {
-  const child = spawn(program, ['studio', '--port', '0', '--project', project, ...more, ...files], { stdio: ['ignore', 'pipe', 'pipe'] });
+  const [command, ...first] = [program].flat();
+  const child = spawn(command, [...first, 'studio', '--port', '0', '--project', project, ...more, ...files], { stdio: ['ignore', 'pipe', 'pipe'] });
   let said = '';
   const address = await new Promise((done, fail) => {
     const hear = (data) => {
@@ -40,7 +41,7 @@ export async function startStudio(program, project, files = [], more = []) {
   };
 }
 
-export async function startBrowser(chromium) {
+export async function startBrowser(chromium, more = []) {
   return driver.launch({
     executablePath: chromium,
     headless: true,
@@ -58,6 +59,7 @@ export async function startBrowser(chromium) {
       '--enable-unsafe-swiftshader',
       // Putting the page together by simulated graphics would cost more than the page.
       '--disable-gpu-compositing',
+      ...more,
     ],
   });
 }
@@ -159,4 +161,37 @@ export async function until(what, check, patience = 60_000) {
     if (Date.now() > end) throw new Error(`not within ${patience / 1000} s: ${what}`);
     await rest(60);
   }
+}
+
+/** The full result of what the project is now is shown. */
+export async function finished(page) {
+  await until('the full result', () => page.evaluate(() => document.querySelector('#status .chip') !== null && !/Preview|Solving/.test(document.querySelector('#status')?.textContent ?? '')), 90_000);
+  const pause = page.getByRole('button', { name: 'Pause', exact: true });
+  if (await pause.isVisible()) await pause.click();
+}
+
+/** Six seconds of two beats that take turns, as a WAV file. */
+export function beat() {
+  const rate = 16_000;
+  const samples = new Int16Array(6 * rate);
+  for (let i = 0; i < samples.length; i += 1) {
+    const t = i / rate;
+    const since = t % 0.5;
+    const tone = Math.floor(t / 0.5) % 2 === 0 ? 110 : 440;
+    samples[i] = 20_000 * Math.exp(-9 * since) * Math.sin(2 * Math.PI * tone * t);
+  }
+  const head = Buffer.alloc(44);
+  head.write('RIFF', 0);
+  head.writeUInt32LE(36 + samples.byteLength, 4);
+  head.write('WAVEfmt ', 8);
+  head.writeUInt32LE(16, 16);
+  head.writeUInt16LE(1, 20);
+  head.writeUInt16LE(1, 22);
+  head.writeUInt32LE(rate, 24);
+  head.writeUInt32LE(2 * rate, 28);
+  head.writeUInt16LE(2, 32);
+  head.writeUInt16LE(16, 34);
+  head.write('data', 36);
+  head.writeUInt32LE(samples.byteLength, 40);
+  return Buffer.concat([head, Buffer.from(samples.buffer)]);
 }

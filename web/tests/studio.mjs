@@ -11,7 +11,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
 
-import { dropFiles, KEEP_DOWN, openPage, penStroke, picture, rest, spiral, startBrowser, startStudio, until, violations } from './driver.mjs';
+import { beat, dropFiles, finished, KEEP_DOWN, openPage, penStroke, picture, rest, spiral, startBrowser, startStudio, until, violations } from './driver.mjs';
 
 const [chromium, program, pictures] = process.argv.slice(2);
 if (!pictures) {
@@ -24,6 +24,8 @@ const folder = mkdtempSync(join(tmpdir(), 'inkrig-studio-'));
 const browser = await startBrowser(chromium);
 let studio = await startStudio(program, join(folder, 'project'));
 let failures = 0;
+/** Words in the console, to be told when a step fails. */
+let seen = [];
 
 const history = async () => (await (await fetch(new URL('api/project', studio.address))).json());
 const doc = async () => (await history()).document;
@@ -31,6 +33,7 @@ const doc = async () => (await history()).document;
 try {
   const opened = await openPage(browser, studio.address, { guided: false });
   const { page, problems, state } = opened;
+  seen = problems;
 
   await step('the first run opens the sample and the tour', async () => {
     await page.locator('.coach').waitFor();
@@ -45,6 +48,7 @@ try {
     load.bytes = bodies.reduce((sum, bytes) => sum + bytes, 0);
     console.log(`  first load ${(load.bytes / 1000).toFixed(0)} kB gzip, ${load.milliseconds.toFixed(0)} ms`);
     assert.ok(load.bytes < 300_000, `first load of ${load.bytes} bytes`);
+    if (process.env.STUDIO_TIMES) assert.ok(load.milliseconds < 1000, `first load took ${load.milliseconds} ms`);
   });
 
   await step('a pen stroke moves the character while the pen is down', async () => {
@@ -246,6 +250,73 @@ try {
     await page.keyboard.press('Escape');
   });
 
+  await step('a dropped character takes the motion, with a certificate', async () => {
+    const file = join(reference, 'data/creatures/human-model.glb');
+    if (!existsSync(file)) {
+      console.log(`  skipped: no ${file}`);
+      assert.ok(!process.env.CI, 'the reference data is missing');
+      return;
+    }
+    await finished(page);
+    const { source } = await doc();
+    await page.keyboard.press('Control+e');
+    await page.locator('dialog[open]').waitFor();
+    await dropFiles(page, [{ name: 'hero.glb', bytes: readFileSync(file) }]);
+    const rows = page.locator('dialog[open] table tbody tr');
+    await rows.first().waitFor();
+    assert.ok((await rows.count()) > 8, 'the certificate has few rows');
+    assert.match(await page.locator('dialog[open] .note').first().innerText(), /\d+ joints follow/);
+    assert.deepEqual((await doc()).source, source, 'the character was arranged');
+    assert.deepEqual(await violations(page), []);
+    await page.locator('dialog[open] table').scrollIntoViewIfNeeded();
+    await page.screenshot({ path: picture(pictures, 'certificate-dark-1440') });
+    await page.getByLabel('Format').selectOption('glb');
+    const [got] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Save file' }).click()]);
+    const path = join(folder, 'hero-out.glb');
+    await got.saveAs(path);
+    assert.match(execFileSync(program, ['inspect', path], { encoding: 'utf8' }), /frames/i);
+    assert.ok(readFileSync(path).length > readFileSync(file).length, 'no copy of the character with a clip more');
+    await page.keyboard.press('Escape');
+
+    await page.getByRole('tab', { name: 'Files' }).click();
+    const show = page.getByRole('button', { name: 'Show the motion on hero' });
+    const capsules = await page.locator('#stage').screenshot();
+    await show.click();
+    await until('the mesh', async () => !capsules.equals(await page.locator('#stage').screenshot()));
+    await rest(1500);
+    await page.screenshot({ path: picture(pictures, 'character-dark-1440') });
+    const still = await page.locator('#stage').screenshot();
+    for (let i = 0; i < 12; i += 1) await page.keyboard.press('.');
+    await until('the mesh moves', async () => !still.equals(await page.locator('#stage').screenshot()));
+    await show.click();
+    assert.equal(await show.getAttribute('aria-pressed'), 'false');
+  });
+
+  await step('a reference video plays beside the motion', async () => {
+    const bytes = await page.evaluate(async () => {
+      const canvas = document.createElement('canvas');
+      const context = canvas.getContext('2d');
+      const recorder = new MediaRecorder(canvas.captureStream(15), { mimeType: 'video/webm' });
+      const parts = [];
+      recorder.ondataavailable = ({ data }) => parts.push(data);
+      const done = new Promise((stop) => (recorder.onstop = stop));
+      recorder.start();
+      for (let i = 0; i < 20; i += 1) {
+        context.fillStyle = `hsl(${18 * i} 80% 50%)`;
+        context.fillRect(0, 0, 300, 150);
+        await new Promise((next) => setTimeout(next, 60));
+      }
+      recorder.stop();
+      await done;
+      return [...new Uint8Array(await new Blob(parts).arrayBuffer())];
+    });
+    await dropFiles(page, [{ name: 'take.webm', bytes }]);
+    await until('the video', () => page.evaluate(() => [...document.querySelectorAll('video')].some((video) => video.readyState >= 2 && video.offsetWidth > 0)));
+    assert.deepEqual(await violations(page), []);
+    await page.screenshot({ path: picture(pictures, 'video-dark-1440') });
+    await page.getByRole('button', { name: 'Remove the reference video' }).click();
+  });
+
   await step('killed in the middle of a stroke, nothing is lost', async () => {
     await page.getByRole('radio', { name: 'Draw' }).check({ force: true });
     const drawn = await doc();
@@ -302,19 +373,13 @@ async function step(name, work) {
     console.log(`ok    ${name} (${((Date.now() - begin) / 1000).toFixed(1)} s)`);
   } catch (error) {
     console.error(`FAILED ${name}`);
+    console.error(seen, await solved().catch(String));
     for (const other of browser.contexts().flatMap((context) => context.pages())) {
       console.error(await other.locator('.toast').allInnerTexts());
       await other.screenshot({ path: picture(pictures, 'failed') });
     }
     throw error;
   }
-}
-
-/** The full result of what the project is now is shown. */
-async function finished(page) {
-  await until('the full result', () => page.evaluate(() => document.querySelector('#status .chip') !== null && !/Preview|Solving/.test(document.querySelector('#status')?.textContent ?? '')), 90_000);
-  const pause = page.getByRole('button', { name: 'Pause', exact: true });
-  if (await pause.isVisible()) await pause.click();
 }
 
 async function drag(page, handle, target, fx, fy) {
@@ -325,6 +390,17 @@ async function drag(page, handle, target, fx, fy) {
   await page.mouse.move(from.x, from.y + 20);
   await page.mouse.move(to.x + fx * to.width, to.y + fy * to.height, { steps: 4 });
   await page.mouse.up();
+}
+
+/** What the program says when it solves the document once more. */
+async function solved() {
+  const ask = async (path, more = {}) => (await fetch(new URL(path, studio.address), more)).json();
+  const headers = { 'Content-Type': 'application/json' };
+  const job = await ask('api/jobs', { method: 'POST', headers, body: JSON.stringify({ kind: 'solve' }) });
+  return until('an end of the job', async () => {
+    const now = await ask(`api/jobs/${job.id}`);
+    return now.state === 'running' ? null : now;
+  });
 }
 
 /** Says how long it took from the pen's move to the new pose. Judged only where STUDIO_TIMES is set: other load counts. */
@@ -348,30 +424,4 @@ async function frames(page) {
   await page.getByRole('button', { name: 'Pause', exact: true }).click();
   console.log(`  playback: ${count.toFixed(0)} frames a second`);
   if (process.env.STUDIO_TIMES) assert.ok(count >= 30);
-}
-
-/** Four seconds of two beats that take turns, as a WAV file. */
-function beat() {
-  const rate = 16_000;
-  const samples = new Int16Array(6 * rate);
-  for (let i = 0; i < samples.length; i += 1) {
-    const t = i / rate;
-    const since = t % 0.5;
-    const tone = Math.floor(t / 0.5) % 2 === 0 ? 110 : 440;
-    samples[i] = 20_000 * Math.exp(-9 * since) * Math.sin(2 * Math.PI * tone * t);
-  }
-  const head = Buffer.alloc(44);
-  head.write('RIFF', 0);
-  head.writeUInt32LE(36 + samples.byteLength, 4);
-  head.write('WAVEfmt ', 8);
-  head.writeUInt32LE(16, 16);
-  head.writeUInt16LE(1, 20);
-  head.writeUInt16LE(1, 22);
-  head.writeUInt32LE(rate, 24);
-  head.writeUInt32LE(2 * rate, 28);
-  head.writeUInt16LE(2, 32);
-  head.writeUInt16LE(16, 34);
-  head.write('data', 36);
-  head.writeUInt32LE(samples.byteLength, 40);
-  return Buffer.concat([head, Buffer.from(samples.buffer)]);
 }

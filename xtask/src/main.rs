@@ -12,6 +12,7 @@ mod fuzz;
 mod glb;
 mod gpu;
 mod interop;
+mod lan;
 mod process;
 mod python;
 mod readme;
@@ -100,6 +101,14 @@ enum Command {
     Web,
     /// Drive the studio in Chromium as a user would; pictures go to target/studio
     WebTest,
+    /// Drive the studio from another device, in network namespaces (root)
+    LanTest,
+    /// Let the studio be drawn on at random for half an hour, without growth or a word in the console
+    Soak {
+        /// How long
+        #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u32).range(1..))]
+        minutes: u32,
+    },
     /// Build the studio's page and the program, and run the studio
     Studio {
         /// Options and files for `inkrig studio`
@@ -139,17 +148,21 @@ fn run(command: Command) -> Result<ExitCode> {
         Command::Fuzz { seconds, filter } => fuzz::run(&context, seconds, filter.as_deref())?,
         Command::Interop { importer } => interop::run(&context, importer.as_deref())?,
         Command::Web => web::build(&context).map(drop)?,
-        Command::WebTest => {
-            if let step::Verdict::Skipped(why) = web::check(&context)? {
-                println!("skipped: {why}");
-            }
-        }
+        Command::WebTest => say(web::check(&context)?),
+        Command::LanTest => say(lan::check(&context)?),
+        Command::Soak { minutes } => say(web::soak(&context, minutes)?),
         Command::Studio { arguments } => web::studio(&context, &arguments)?,
         Command::GpuCheck => gpu::run(&context)?,
         Command::TorchCheck => torch::run(&context)?,
         Command::Bench { arguments } => bench::run(&context, &arguments)?,
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn say(verdict: step::Verdict) {
+    if let step::Verdict::Skipped(why) = verdict {
+        println!("skipped: {why}");
+    }
 }
 
 #[cfg(test)]

@@ -8,13 +8,14 @@ use anyhow::{Context as _, Result};
 use crate::counts::Counts;
 use crate::step::{Steps, Verdict};
 use crate::tools::{self, Context};
-use crate::{browser, demo, glb, process, readme, setup};
+use crate::{browser, demo, glb, process, readme, setup, web};
 
 /// Every check that the build server runs. The cheap ones come first.
 pub(crate) fn all(context: &Context, keep_going: bool) -> ExitCode {
     let mut steps = Steps::new(context.ci, keep_going);
     without_build(context, &mut steps);
     steps
+        .run("the studio's page and its types", || web::types(context))
         .run("documentation", || passed(doc(context, false)))
         .run("release build", || passed(build(context)))
         .run("reference data", || Ok(reference(context)))

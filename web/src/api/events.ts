@@ -1,12 +1,7 @@
 import { address } from './http';
-import type { HistoryLabels, JobState } from './types';
+import type { Event as News } from './types';
 
-export interface Events {
-  project(event: { revision: number; history: HistoryLabels }): void;
-  job(event: JobState): void;
-  result(event: { id: string; revision: number; job: string | null }): void;
-  problem(event: { message: string; hint: string | null }): void;
-}
+export type Events = { [Kind in News['type']]: (event: Extract<News, { type: Kind }>) => void };
 
 /** News from the server: progress, results, changes made in another tab. The browser opens the stream again by itself. */
 export function listen(listener: Events): EventSource {

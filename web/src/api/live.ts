@@ -1,18 +1,10 @@
 import { address } from './http';
-import type { Control, HistoryLabels } from './types';
+import type { FromPage, StrokeMode, ToPage } from './types';
 
-export type StrokeMode = 'draw' | 'add' | 'redraw' | 'wave';
 export type LivePoint = [number, number, number, number] | [number, number];
 
-type Said =
-  | { type: 'hello'; revision: number }
-  | { type: 'committed'; stroke: number; revision: number; history: HistoryLabels; control: Control }
-  | { type: 'drawing'; stroke: number; control: Control }
-  | { type: 'waiting'; stroke: number; message: string }
-  | { type: 'problem'; message: string; hint: string | null };
-
 export interface LiveListener {
-  said(message: Said): void;
+  said(message: ToPage): void;
   poses(bytes: ArrayBuffer): void;
   connected(is: boolean): void;
 }
@@ -44,12 +36,12 @@ export class Live {
   begin(mode: StrokeMode, timing?: 'pen' | 'even'): number {
     this.#stroke += 1;
     this.#active = this.#stroke;
-    this.#send({ type: 'begin', stroke: this.#stroke, mode, timing });
+    this.#send({ type: 'begin', stroke: this.#stroke, mode, timing: timing ?? null });
     return this.#stroke;
   }
 
   points(stroke: number, points: readonly LivePoint[]): void {
-    if (points.length > 0) this.#send({ type: 'points', stroke, points });
+    if (points.length > 0) this.#send({ type: 'points', stroke, points: [...points] });
   }
 
   end(stroke: number): void {
@@ -67,7 +59,7 @@ export class Live {
     this.#socket?.close();
   }
 
-  #send(message: unknown): void {
+  #send(message: FromPage): void {
     if (this.#socket?.readyState === WebSocket.OPEN) this.#socket.send(JSON.stringify(message));
   }
 
@@ -81,7 +73,7 @@ export class Live {
       this.#listener.connected(true);
     };
     socket.onmessage = ({ data }: MessageEvent<string | ArrayBuffer>) => {
-      if (typeof data === 'string') this.#listener.said(JSON.parse(data) as Said);
+      if (typeof data === 'string') this.#listener.said(JSON.parse(data) as ToPage);
       else this.#listener.poses(data);
     };
     socket.onclose = () => {

@@ -37,7 +37,7 @@ export class LabelBoard {
   #add(): void {
     const names = new Set(this.#segments.map(({ name }) => name));
     const fresh = [...'ABCDEFGHIJKLMNOPQRSTUVWXYZ'].find((letter) => !names.has(letter)) ?? 'New';
-    this.#set([...this.#segments, { name: fresh, seconds: 2 }], 'Add a label');
+    this.#set([...this.#segments, { name: fresh, seconds: 2, colour: null }], 'Add a label');
   }
 
   #build(): void {

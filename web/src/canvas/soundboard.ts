@@ -1,4 +1,5 @@
 import { address, get } from '../api/http';
+import type { Outline } from '../api/types';
 import { css, rampAt } from '../base/colour';
 import { fit, h, onResize, painter } from '../base/dom';
 import { theme } from '../base/theme';
@@ -59,7 +60,7 @@ export class SoundBoard {
       return;
     }
     this.#audio.src = address(`sounds/${sound}/file`).href;
-    const { peaks, seconds } = await get<{ peaks: number[]; seconds: number }>(`sounds/${sound}/outline?points=400`);
+    const { peaks, seconds } = await get<Outline>(`sounds/${sound}/outline?points=400`);
     if (sound !== this.#shown) return;
     [this.#peaks, this.#seconds] = [peaks, seconds];
     this.values.onchange(peaks);

@@ -1,6 +1,6 @@
 import type { LivePoint } from '../api/live';
 import { post, Refused } from '../api/http';
-import type { Control } from '../api/types';
+import type { Control, WaveSeen } from '../api/types';
 import { css, rampAt } from '../base/colour';
 import { fit, h, onResize, painter } from '../base/dom';
 import { clamp, ticks } from '../base/maths';
@@ -49,7 +49,7 @@ export class WaveBoard {
     this.#asked = control.expression;
     if (document.activeElement !== this.#input) this.#input.value = control.expression;
     try {
-      const { values, rate } = await post<{ values: number[]; rate: number }>('waves', { expression: control.expression, seconds: 10 });
+      const { values, rate } = await post<WaveSeen>('waves', { expression: control.expression, seconds: 10 });
       this.#error.textContent = '';
       this.#set(values.map((value, i) => [i / rate, value]));
     } catch (error) {

@@ -60,7 +60,7 @@ export class Controls {
       case 'wave':
         return { kind: 'wave', expression: 'sine(0.5Hz..2Hz) for 10s' };
       case 'labels':
-        return { kind: 'labels', segments: [{ name: 'A', seconds: 3 }, { name: 'B', seconds: 2 }, { name: 'A', seconds: 3 }] };
+        return { kind: 'labels', segments: [{ name: 'A', seconds: 3, colour: null }, { name: 'B', seconds: 2, colour: null }, { name: 'A', seconds: 3, colour: null }] };
       case 'sound':
         return sounds[0] ? { kind: 'sound', sound: sounds[0].id, smooth: null, outline: false } : null;
       case 'motion': {

@@ -1,5 +1,5 @@
 import { post, Refused, upload } from '../api/http';
-import type { Added, Applied, Control, Info } from '../api/types';
+import type { Added, ClipInfo, DrawingRead, Info, SoundAdded } from '../api/types';
 import type { Controls } from './controls';
 import type { Session } from './session';
 
@@ -11,6 +11,8 @@ const VIDEOS = ['mp4', 'webm', 'mov', 'm4v'];
 /** Files from the user's machine: each goes where its kind belongs. */
 export class Files {
   onvideo: (file: File) => void = () => undefined;
+  /** While somebody waits for a character, motions that come are that and are not arranged. */
+  oncharacter: ((clip: ClipInfo) => void) | null = null;
 
   constructor(
     readonly session: Session,
@@ -38,7 +40,7 @@ export class Files {
   /** A clip or drawing that comes with the program. */
   async sample(sample: Info['samples'][number]): Promise<void> {
     if (sample.kind === 'curve') {
-      const { control } = await post<{ control: Control }>(`samples/${sample.name}`, {});
+      const { control } = await post<Added>(`samples/${sample.name}`, {});
       this.controls.set(control, `Drawing ${sample.name}`);
       return;
     }
@@ -52,12 +54,12 @@ export class Files {
     if (VIDEOS.includes(kind)) {
       this.onvideo(file);
     } else if (SOUNDS.includes(kind)) {
-      const added = await upload<Applied & { sound: { id: string; name: string } }>(`sounds?name=${name}`, file);
+      const added = await upload<SoundAdded>(`sounds?name=${name}`, file);
       await this.session.store.follow(added, null);
       this.controls.set({ kind: 'sound', sound: added.sound.id, smooth: null, outline: false }, `Sound ${added.sound.name}`);
       this.controls.kind.value = 'sound';
     } else if (DRAWINGS.includes(kind)) {
-      const { control, note } = await upload<{ control: Control; note: string | null }>(`drawings?name=${name}`, file);
+      const { control, note } = await upload<DrawingRead>(`drawings?name=${name}`, file);
       this.controls.set(control, `Drawing ${file.name}`);
       if (note) this.say(note);
     } else {
@@ -71,6 +73,16 @@ export class Files {
     await this.session.store.follow(added, null);
     const [clip] = added.clips;
     if (!clip) return;
+    await this.session.clip(clip.id);
+    if (this.oncharacter) {
+      this.oncharacter(clip);
+      return;
+    }
+    // A mesh that does not move has nothing to arrange: the motion goes onto it.
+    if (clip.hasSkin && clip.frames <= 1) {
+      this.say(`${clip.name} is a character without motion: Export puts the motion onto it.`);
+      return;
+    }
     const { source } = this.session.store.document.value;
     if (!arrange && !source.clips.includes(clip.id)) this.controls.set({ kind: 'motion', clip: clip.id }, `Follow ${clip.name}`);
     else if (!source.clips.includes(clip.id)) {

@@ -5,7 +5,7 @@ export const KEY_KINDS = ['soft', 'hard', 'avoid', 'never'] as const satisfies r
 export const KEY_NAMES: Readonly<Record<KeyKind, string>> = {
   soft: 'Soft',
   hard: 'Exact',
-  avoid: 'Keep away',
+  avoid: 'Avoid',
   never: 'Never',
   fixed: 'Kept',
 };

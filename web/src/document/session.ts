@@ -3,7 +3,7 @@ import { bytes, get, Refused } from '../api/http';
 import { Live } from '../api/live';
 import { readPlan, type Plan } from '../api/plan';
 import { readPoses, rigOf, type Poses, type Rig } from '../api/poses';
-import type { ClipDetail, Control, Document, Info, JobState, ProjectState, Result, SkeletonInfo, Suggestions } from '../api/types';
+import type { ClipDetail, Control, Document, Figure, Info, JobState, ProjectState, Result, Suggestions } from '../api/types';
 import { Signal } from '../base/signal';
 import { duration, type Motion } from '../viewport/motion';
 import { Player } from './player';
@@ -50,6 +50,8 @@ export class Session {
   #loading = 0;
   /** What of the document the result that is shown was made of. */
   #solved = '';
+  /** The revision of a result that came before the page knew of that revision. */
+  #awaited: number | null = null;
 
   constructor(
     readonly info: Info,
@@ -78,7 +80,7 @@ export class Session {
       problem: (problem) => (this.problem.value = problem),
     });
     this.store.document.watch(() => void this.#sourceChanged());
-    this.store.document.subscribe((document) => (this.stale.value = solved(document) !== this.#solved));
+    for (const signal of [this.store.document, this.store.history]) signal.subscribe(() => this.#judge());
     this.job.value = state.job;
   }
 
@@ -184,20 +186,26 @@ export class Session {
       const used = this.used.value;
       if (used) this.used.value = { ...used, confidence: result.used.confidence };
       this.problem.value = null;
-      if (result.revision <= this.store.revision) this.#solved = solved(this.store.document.value);
-      this.stale.value = false;
+      this.#awaited = result.revision;
+      this.#judge();
     } catch (error) {
       if (turn === this.#loading) this.#failed(error);
     }
   }
 
+  /** Says whether the result that is shown is that of the document. */
+  #judge(): void {
+    const now = solved(this.store.document.value);
+    if (this.#awaited !== null && this.#awaited <= this.store.revision) [this.#solved, this.#awaited] = [now, null];
+    this.stale.value = now !== this.#solved;
+  }
+
   /** The skeleton of the result: the clip's, unless a root bone was put in. */
   async #rigOf(result: Result): Promise<Rig> {
-    const { clip, rig } = await this.clip(result.clipForSkeleton);
+    const { rig } = await this.clip(result.clipForSkeleton);
     const { root } = this.store.document.value.settings;
     if (result.kind === 'align' && root !== 'bone' && root !== 'hips') return rig;
-    const own = await get<{ skeleton: SkeletonInfo; limbs: ClipDetail['limbs'] } | SkeletonInfo>(`results/${result.id}/skeleton`);
-    return 'skeleton' in own ? rigOf(own) : own.joints.length === clip.joints ? rig : rigOf({ skeleton: own, limbs: clip.limbs });
+    return rigOf(await get<Figure>(`results/${result.id}/skeleton`));
   }
 
   #failed(error: unknown): void {

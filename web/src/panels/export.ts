@@ -1,19 +1,13 @@
 import { get, post, postFor, Refused } from '../api/http';
+import type { Bake, Certificate, CommandLine, ExportAsked, RetargetAsked, RetargetDone } from '../api/types';
 import { download, h } from '../base/dom';
+import type { Files } from '../document/files';
 import type { Session } from '../document/session';
 import { button, row, section } from './controls';
 import { openDialog } from './dialog';
 
-interface Certificate {
-  readonly verdict: string;
-  readonly broken: readonly { what: string; value: number; limit: number }[];
-  readonly pairs: readonly (readonly [string, string])[];
-  readonly unmapped: readonly string[];
-  readonly rows: readonly { name: string; unit: string; mean: number; p95: number; max: number; limit: number | null }[];
-}
-
 /** Takes the result home: a file of any format, on another character if wanted, and the command that makes it again. */
-export function showExport(session: Session): void {
+export function showExport(session: Session, files: Files): void {
   const result = session.result.value;
   const formats = session.info.formats.filter((format) => format.write);
   const format = h('select', {}, ...formats.map(({ extension, name }) => h('option', { value: extension }, `${name} (.${extension})`)));
@@ -21,8 +15,12 @@ export function showExport(session: Session): void {
   const fps = h('input', { type: 'number', min: 1, max: 240, placeholder: 'own' });
   const bake = h('select', {}, h('option', { value: 'dense' }, 'One a frame'), h('option', { value: 'sparse' }, 'Few, with tangents'), h('option', { value: 'stepped' }, 'Held, on twos'));
   const source = session.store.document.value.source.clips[0];
-  const others = session.store.document.value.clips.filter((clip) => clip.role === 'motion' && clip.id !== source);
-  const onto = h('select', {}, h('option', { value: '' }, 'The clip’s own'), ...others.map((clip) => h('option', { value: clip.id }, clip.name)));
+  const onto = h('select', {});
+  const offer = () => {
+    const others = session.store.document.value.clips.filter((clip) => clip.role === 'motion' && clip.id !== source);
+    onto.replaceChildren(h('option', { value: '' }, 'The clip’s own'), ...others.map((clip) => h('option', { value: clip.id }, clip.name)));
+  };
+  offer();
   const certificate = h('div', {});
   const problem = h('p', { class: 'note bad', hidden: true, role: 'alert' });
   let carried: string | null = null;
@@ -34,10 +32,15 @@ export function showExport(session: Session): void {
     if (onto.value === '' || !result) return;
     certificate.replaceChildren(h('p', { class: 'help' }, 'Putting it on the other character…'));
     await attempt(async () => {
-      const done = await post<{ result: string; certificate: Certificate }>('retarget', { of: result.id, onto: onto.value, keepFeet: true, scale: null });
+      const done = await post<RetargetDone>('retarget', { of: result.id, onto: onto.value } satisfies RetargetAsked);
       carried = done.result;
       certificate.replaceChildren(show(done.certificate));
     });
+  };
+  files.oncharacter = (clip) => {
+    offer();
+    onto.value = clip.id;
+    void retarget();
   };
   const attempt = async (work: () => Promise<void>) => {
     problem.hidden = true;
@@ -51,7 +54,7 @@ export function showExport(session: Session): void {
   const save = button('Save file', () => void attempt(async () => {
     const of = carried ?? result?.id ?? source;
     if (!of) return;
-    const answer = await postFor('export', { of, format: format.value, fps: fps.value === '' ? null : Number(fps.value), name: name.value || null, bake: bakeOf(bake.value) });
+    const answer = await postFor('export', { of, format: format.value, fps: fps.value === '' ? null : Number(fps.value), name: name.value || null, bake: bakeOf(bake.value) } satisfies ExportAsked);
     download(await answer.blob(), `${name.value || 'motion'}.${format.value}`);
   }), 'primary');
   save.disabled = !result && !source;
@@ -61,7 +64,7 @@ export function showExport(session: Session): void {
   const command = section('The same on the command line', h('div', { class: 'command' }, code, copy));
   command.hidden = true;
   if (result) {
-    void get<{ text: string; files: string[] }>('command-line')
+    void get<CommandLine>('command-line')
       .then(({ text }) => {
         code.textContent = text;
         command.hidden = false;
@@ -73,11 +76,11 @@ export function showExport(session: Session): void {
     {},
     result ? null : h('p', { class: 'note' }, 'Nothing was drawn yet: this saves the clip itself.'),
     section('File', row('Format', format), row('Name', name), row('Frames a second', fps), row('Keys', bake)),
-    section('Character', row('Goes onto', onto), others.length === 0 ? h('p', { class: 'help' }, 'Drop a character’s file on the page to put the motion onto it.') : null, certificate),
+    section('Character', row('Goes onto', onto), h('p', { class: 'help' }, 'Drop a character’s file here to put the motion onto it.'), certificate),
     command,
     problem,
   );
-  openDialog('Export', content, [save]);
+  openDialog('Export', content, [save]).addEventListener('close', () => (files.oncharacter = null));
 }
 
 /** The certificate: what was measured, beside its limits. */
@@ -97,7 +100,7 @@ function show({ verdict, broken, pairs, unmapped, rows }: Certificate): HTMLElem
   );
 }
 
-function bakeOf(kind: string): unknown {
+function bakeOf(kind: string): Bake {
   if (kind === 'sparse') return { kind, millimetres: 1, degrees: 0.5 };
   return kind === 'stepped' ? { kind, frames: 2 } : { kind: 'dense' };
 }

@@ -1,12 +1,14 @@
 import type { ClipEntry } from '../api/types';
 import { h, painter } from '../base/dom';
+import type { Signal } from '../base/signal';
 import type { Files } from '../document/files';
 import type { Session } from '../document/session';
-import { button, section, tool } from './controls';
+import { button, pressed, section, tool } from './controls';
 
 export interface FilesActs {
   pick(): void;
-  skin(clip: string | null): void;
+  /** The clip whose own mesh is shown. */
+  readonly character: Signal<string | null>;
 }
 
 /** The clips that are arranged, sounds, the character's own skin, and what comes with the program. */
@@ -28,6 +30,7 @@ export function filesPanel(session: Session, files: Files, acts: FilesActs): HTM
   });
   session.store.document.subscribe(draw);
   session.clips.subscribe(draw);
+  acts.character.subscribe(draw);
   draw();
   const samples = session.info.samples.map((sample) => {
     const load = button(sample.name, () => void files.sample(sample));
@@ -63,8 +66,10 @@ function clipRow(clip: ClipEntry, session: Session, acts: FilesActs): HTMLElemen
   gone.classList.add('small');
   const row = h('div', { class: 'row' }, on, name, about);
   if (detail?.hasSkin) {
-    const skin = tool('skin', 'Show with its own skin', () => acts.skin(clip.id));
+    const shown = acts.character.value === clip.id;
+    const skin = tool('skin', source.clips.includes(clip.id) ? `Show ${clip.name} with its own skin` : `Show the motion on ${clip.name}`, () => (acts.character.value = shown ? null : clip.id));
     skin.classList.add('small');
+    pressed(skin, shown);
     row.append(skin);
   }
   row.append(gone);

@@ -70,6 +70,10 @@ export function keyHere(session: Session, ui: Ui): void {
 function suggest(grid: HTMLElement, session: Session, ui: Ui, carry: Carry): void {
   const candidates = session.suggestions.value?.candidates ?? [];
   const { source } = session;
+  if (session.suggestions.value === null && source.value.frames > 0) {
+    grid.replaceChildren(...Array.from({ length: 8 }, () => h('div', { class: 'pose empty', 'aria-hidden': 'true' })));
+    return;
+  }
   grid.replaceChildren(
     ...candidates.map((candidate, i) => {
       const canvas = h('canvas');
@@ -116,7 +120,7 @@ function item(key: Key, session: Session, ui: Ui): HTMLElement {
   const canvas = h('canvas', { class: 'thumb' });
   const chosen = ui.selected.value === key.id;
   const met = session.result.value?.keys.find((rowOf) => rowOf.id === key.id);
-  const text = h('button', { type: 'button', style: 'flex:1;justify-content:flex-start;padding:0 4px;height:34px', 'aria-expanded': String(chosen), onclick: () => (ui.selected.value = chosen ? null : key.id) }, markSign(key.kind), describe(key), met ? h('span', { class: `soft ${met.met}` }, ` ${MET[met.met] ?? ''}`) : null);
+  const text = h('button', { type: 'button', style: 'flex:1;justify-content:flex-start;padding:0 4px;height:34px', 'aria-expanded': String(chosen), onclick: () => (ui.selected.value = chosen ? null : key.id) }, markSign(key.kind), describe(key), met ? h('span', { class: `soft ${met.met}` }, met.waits ? ' waits' : ` ${MET[met.met] ?? ''}`) : null);
   const off = h('input', { type: 'checkbox', 'aria-label': 'In use', title: 'In use' });
   off.checked = key.enabled;
   off.addEventListener('change', () => session.store.edit(off.checked ? 'Use key' : 'Leave key out', [{ type: 'putKey', key: { ...key, enabled: off.checked } }]));
@@ -124,7 +128,8 @@ function item(key: Key, session: Session, ui: Ui): HTMLElement {
   gone.classList.add('small');
   if (key.pose) requestAnimationFrame(() => key.pose && paintPose(session, canvas, key.pose, true));
   const line = h('div', { class: chosen ? 'row chosen' : 'row' }, canvas, text, off, gone);
-  return chosen ? h('div', {}, line, details(key, session)) : line;
+  if (met?.waits) text.title = `Waits: ${met.waits}`;
+  return chosen ? h('div', {}, line, met?.waits ? h('p', { class: 'note warn' }, `It waits: ${met.waits}.`) : null, details(key, session)) : line;
 }
 
 const MET: Readonly<Record<string, string>> = { good: '', fair: 'nearly met', poor: 'not met' };

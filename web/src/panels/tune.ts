@@ -147,6 +147,14 @@ function alternatives(session: Session, choose: (solution: number) => void): HTM
       }),
     );
   };
+  // What was found for another drawing is no choice for this one.
+  let sought = session.store.document.value.control;
+  session.store.document.subscribe(({ control }) => {
+    if (control === sought) return;
+    sought = control;
+    found.replaceChildren();
+    note.textContent = '';
+  });
   session.result.watch((result) => {
     if (result?.ambiguous && found.childElementCount === 0) note.textContent = 'The drawing is nearly its own mirror image: there is more than one way to follow it.';
   });

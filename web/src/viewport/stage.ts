@@ -136,6 +136,10 @@ export class Stage {
     this.draw();
   }
 
+  get skin(): { update(seconds: number): void } | null {
+    return this.#skin;
+  }
+
   /** Puts the camera back: the character whole, seen from the front. */
   frame(): void {
     if (!this.#motion) return;

@@ -98,6 +98,7 @@ pub(crate) struct JointInfo {
     /// -1 for none.
     parent: i32,
     /// From the parent, metres.
+    #[schema(value_type = (f32, f32, f32))]
     offset: [f32; 3],
     end_site: bool,
     /// It only steers others and is not drawn.
@@ -159,7 +160,7 @@ pub(crate) struct Named {
 }
 
 /// Adds a motion file. The first one is arranged.
-#[utoipa::path(post, path = "/api/clips", params(UploadOptions), request_body(content = inline(Vec<u8>), content_type = "application/octet-stream"), responses((status = 200, body = Added), (status = "4XX", body = ErrorBody)))]
+#[utoipa::path(post, operation_id = "addClip", path = "/api/clips", params(UploadOptions), request_body(content = inline(Vec<u8>), content_type = "application/octet-stream"), responses((status = 200, body = Added), (status = "4XX", body = ErrorBody)))]
 pub(crate) async fn add(
     State(app): State<Arc<App>>,
     Query(options): Query<UploadOptions>,
@@ -239,7 +240,7 @@ pub(crate) async fn detail(
 }
 
 /// The poses of a clip, as the description of poses says.
-#[utoipa::path(get, path = "/api/clips/{id}/poses", params(("id" = String, Path)), responses((status = 200, content_type = "application/octet-stream", body = inline(Vec<u8>)), (status = "4XX", body = ErrorBody)))]
+#[utoipa::path(get, operation_id = "clipPoses", path = "/api/clips/{id}/poses", params(("id" = String, Path)), responses((status = 200, content_type = "application/octet-stream", body = inline(Vec<u8>)), (status = "4XX", body = ErrorBody)))]
 pub(crate) async fn poses(
     State(app): State<Arc<App>>,
     Path(id): Path<String>,
@@ -252,7 +253,7 @@ pub(crate) async fn poses(
 }
 
 /// The file as it was uploaded.
-#[utoipa::path(get, path = "/api/clips/{id}/file", params(("id" = String, Path)), responses((status = 200, content_type = "application/octet-stream", body = inline(Vec<u8>)), (status = "4XX", body = ErrorBody)))]
+#[utoipa::path(get, operation_id = "clipFile", path = "/api/clips/{id}/file", params(("id" = String, Path)), responses((status = 200, content_type = "application/octet-stream", body = inline(Vec<u8>)), (status = "4XX", body = ErrorBody)))]
 pub(crate) async fn file(
     State(app): State<Arc<App>>,
     Path(id): Path<String>,

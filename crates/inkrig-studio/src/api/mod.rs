@@ -30,7 +30,8 @@ use utoipa_axum::{router::OpenApiRouter, routes};
         crate::events::Event,
         live::FromPage,
         live::ToPage,
-        crate::document::Command
+        crate::document::Command,
+        crate::engine::drawings::As
     ))
 )]
 struct Description;

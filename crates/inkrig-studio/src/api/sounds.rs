@@ -100,7 +100,7 @@ pub(crate) struct WaveSeen {
 }
 
 /// Adds a sound.
-#[utoipa::path(post, path = "/api/sounds", params(Named), request_body(content = inline(Vec<u8>), content_type = "application/octet-stream"), responses((status = 200, body = SoundAdded), (status = "4XX", body = ErrorBody)))]
+#[utoipa::path(post, operation_id = "addSound", path = "/api/sounds", params(Named), request_body(content = inline(Vec<u8>), content_type = "application/octet-stream"), responses((status = 200, body = SoundAdded), (status = "4XX", body = ErrorBody)))]
 pub(crate) async fn add(
     State(app): State<Arc<App>>,
     Query(Named { name }): Query<Named>,
@@ -119,7 +119,7 @@ pub(crate) async fn add(
 }
 
 /// The sound as it was uploaded.
-#[utoipa::path(get, path = "/api/sounds/{id}/file", params(("id" = String, Path)), responses((status = 200, content_type = "application/octet-stream", body = inline(Vec<u8>)), (status = "4XX", body = ErrorBody)))]
+#[utoipa::path(get, operation_id = "soundFile", path = "/api/sounds/{id}/file", params(("id" = String, Path)), responses((status = 200, content_type = "application/octet-stream", body = inline(Vec<u8>)), (status = "4XX", body = ErrorBody)))]
 pub(crate) async fn file(
     State(app): State<Arc<App>>,
     Path(id): Path<String>,

@@ -13,7 +13,7 @@ pub enum Control {
     /// A drawing.
     Curve {
         /// Strokes of points `[x, y, t, p]`; t runs on one clock over all strokes and never goes back.
-        #[schema(value_type = Vec<Vec<Vec<Option<f64>>>>)]
+        #[schema(value_type = Vec<Vec<(f64, f64, Option<f64>, Option<f64>)>>)]
         strokes: Vec<Vec<PenPoint>>,
         /// Whether the pen's speed is the motion's timing.
         #[serde(default)]
@@ -30,6 +30,7 @@ pub enum Control {
     /// A wave as it was drawn.
     DrawnWave {
         /// Seconds, rising, and values.
+        #[schema(value_type = Vec<(f64, f64)>)]
         points: Vec<[f64; 2]>,
     },
     /// Movements by name.

@@ -62,6 +62,7 @@ pub enum Place {
     /// A point of the canvas; it need not lie on the curve.
     Point {
         /// x, y
+        #[schema(value_type = (f64, f64))]
         point: [f64; 2],
     },
     /// A value of a wave.

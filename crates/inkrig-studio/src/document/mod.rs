@@ -141,6 +141,7 @@ pub struct Source {
     /// Ids of clips of one skeleton, in order.
     pub clips: Vec<String>,
     /// From and to, seconds of every clip.
+    #[schema(value_type = Option<(f64, f64)>)]
     pub range: Option<[f64; 2]>,
     /// How often each clip is played that is a loop.
     pub laps: usize,

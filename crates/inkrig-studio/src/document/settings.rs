@@ -84,7 +84,7 @@ pub enum RootMode {
 
 /// A path over the ground.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(tag = "kind", rename_all = "camelCase", rename_all_fields = "camelCase")]
+#[serde(tag = "kind", rename_all = "camelCase")]
 pub enum GroundPath {
     /// Straight ahead.
     Straight,
@@ -101,12 +101,13 @@ pub enum GroundPath {
     /// As seen from above: x to the right, y away from you.
     Drawn {
         /// In order.
+        #[schema(value_type = Vec<(f64, f64)>)]
         points: Vec<[f64; 2]>,
         /// Whether its end is its beginning.
         #[serde(default)]
         closed: bool,
         /// Metres in a unit of the drawing; as long as the motion travels without.
-        #[serde(default)]
+        #[serde(default, rename = "metresPerUnit")]
         metres_per_unit: Option<f64>,
     },
 }

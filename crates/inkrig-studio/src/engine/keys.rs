@@ -118,7 +118,7 @@ impl Context<'_> {
                 let Some(At::Time { seconds }) = key.place else {
                     return Err(StudioError::invalid(format!("key {} is exact and needs a time", key.id)));
                 };
-                self.hard(seconds, pose)
+                self.hard(seconds, &pose)
             }
             KeyKind::Soft | KeyKind::Fixed => {
                 let place = key.place.as_ref().ok_or_else(|| lacks("place"))?;
@@ -127,7 +127,7 @@ impl Context<'_> {
         })
     }
 
-    fn hard(&self, seconds: f64, pose: Pose) -> Wish {
+    fn hard(&self, seconds: f64, pose: &Pose) -> Wish {
         self.within(seconds)?;
         let half_a_frame = 0.5 / self.source.takes.clip().frame_rate();
         let parts = self.document.keys.iter().filter(|key| key.enabled && key.kind == KeyKind::Fixed);
@@ -137,7 +137,7 @@ impl Context<'_> {
             return Err(format!("the part {} that stays as it is has another pose there", span(part)));
         }
         match pose {
-            Pose::Frame(frame) => Ok(Key::Hard { seconds, frame }),
+            Pose::Frame(frame) => Ok(Key::Hard { seconds, frame: *frame }),
             Pose::Of { .. } => Err("its pose is not of a part of a clip that is arranged".into()),
         }
     }

@@ -6,7 +6,7 @@ use super::media::Media;
 use crate::StudioError;
 use crate::document::{self, Control as Drawn, CurveTiming, Document};
 use crate::project::Folder;
-use inkrig_align::{Control, ControlKind, CurveOptions, Options, Preset, SoundOptions};
+use inkrig_align::{Control, ControlKind, CurveOptions, Key, Options, Preset, SoundOptions};
 use inkrig_formats::{Import, SourceInfo};
 use inkrig_motion::{Takes, cycle, time};
 use inkrig_sketch::{Curve, Format, LabelLength, Labels, Timing, Wave, read_wave};
@@ -34,6 +34,39 @@ pub struct Wishes {
     pub counting: Vec<String>,
     /// Keys that cannot count as things are.
     pub waiting: Vec<Waiting>,
+}
+
+impl Wishes {
+    /// Keys that were found to be impossible wait.
+    pub(super) fn leave_out(&mut self, refused: &[Waiting]) {
+        for key in refused {
+            if let Some(index) = self.counting.iter().position(|id| *id == key.id) {
+                self.counting.remove(index);
+                self.options.keys.remove(index);
+                self.waiting.push(key.clone());
+            }
+        }
+    }
+
+    /// The key that a message of the engine is about: the exact one whose frame and time it names, else, where something
+    /// forbidden is in the way of a part that stays or of everything, the newest that forbids.
+    pub(super) fn named(&self, message: &str) -> Option<Waiting> {
+        let waiting = |id: &String, kind, seconds| {
+            let why = message.to_string();
+            Waiting { id: id.clone(), kind, seconds, why }
+        };
+        let keys = || self.counting.iter().zip(&self.options.keys);
+        let exact = keys().find_map(|(id, key)| {
+            let Key::Hard { seconds, frame } = *key else { return None };
+            let named = message.contains(&format!("frame {frame} is asked for at {seconds} s"));
+            named.then(|| waiting(id, "hard", seconds))
+        });
+        let mut forbids = keys().rev().filter(|(_, key)| matches!(key, Key::Never { .. }));
+        exact.or_else(|| {
+            let in_the_way = message.contains("must not appear");
+            forbids.next().filter(|_| in_the_way).map(|(id, _)| waiting(id, "never", 0.0))
+        })
+    }
 }
 
 /// What a source is made of; equal ones need not be prepared twice.

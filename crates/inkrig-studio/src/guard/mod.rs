@@ -89,17 +89,17 @@ impl Guard {
 /// Lets a request through, or says why not.
 pub(crate) async fn guard(State(app): State<Arc<App>>, request: Request, next: Next) -> Response {
     if let Err(error) = app.guard.check(request.method(), request.headers()) {
-        return with_headers(error.into_response());
+        return with_headers(error.into_response(), app.guard.is_lan());
     }
     if let Some(tokens) = &app.guard.tokens
         && !cookie(request.headers()).is_some_and(|cookie| tokens.is_known(cookie))
     {
-        return with_headers(welcome(tokens, &request));
+        return with_headers(welcome(tokens, &request), true);
     }
     if let Some(connection) = request.extensions().get::<Arc<Connection>>() {
         connection.proven.store(true, Ordering::Release);
     }
-    with_headers(next.run(request).await)
+    with_headers(next.run(request).await, app.guard.is_lan())
 }
 
 /// Takes a token for a cookie; who has none is told how to get one.

@@ -91,6 +91,7 @@ fn the_page_is_served_packed_and_nothing_beside_it() {
             && !policy.contains("unsafe-eval")
     );
     assert_eq!(index.header("x-frame-options"), Some("DENY"));
+    assert_eq!(index.header("cross-origin-opener-policy"), Some("same-origin"));
     assert_eq!(studio.get("/assets/a.js").body, b"1");
     for path in [
         "/../secret.txt",

@@ -38,6 +38,12 @@ fn without_a_token_nothing_is_given() {
     let pair = cookie.split(';').next().unwrap();
     assert!(!pair.contains(token));
     assert_eq!(ask("/api/project", &[("Cookie", pair)]).status, 200);
+    let page = ask("/", &[("Cookie", pair)]);
+    assert_eq!(
+        page.header("cross-origin-opener-policy"),
+        None,
+        "a browser complains of it on such an address"
+    );
     assert_eq!(ask("/api/project", &[("Cookie", &format!("a=b; {pair}; c=d"))]).status, 200);
     assert_eq!(ask(&format!("/?token={token}"), &[]).status, 401, "it is spent");
     assert_eq!(ask("/api/project", &[("Cookie", pair), ("Origin", "http://evil.example")]).status, 403);

@@ -67,6 +67,27 @@ fn keys_that_cannot_count_wait_and_the_rest_is_solved() {
 }
 
 #[test]
+fn what_contradicts_a_forbidden_pose_waits() {
+    let studio = Studio::open();
+    let clip = studio.post("/api/samples/person", &json!({})).good()["clips"][0]["id"].clone();
+    draw(&studio, 6.0);
+    let never =
+        |id: &str, frame: &Value| json!({"id": id, "kind": "never", "pose": {"clip": clip, "frame": frame}});
+    put(&studio, &[hard("exact", &clip, 5.0, 500), never("never", &json!(500))]);
+    let result = settled(&studio);
+    let why = |result: &Value, id: &str| key(result, id)["waits"].as_str().unwrap_or_default().to_string();
+    assert!(why(&result, "exact").contains("must not appear"), "{}", why(&result, "exact"));
+    assert_eq!(why(&result, "never"), "");
+    // A part that stays stays, whatever is forbidden later.
+    studio.post("/api/locks", &json!({"result": result["id"], "from": 1.0, "to": 3.0})).good();
+    let used = result["used"]["frame"][60].clone();
+    put(&studio, &[never("late", &used)]);
+    let result = settled(&studio);
+    assert!(why(&result, "late").contains("must not appear"), "{}", why(&result, "late"));
+    assert_eq!(why(&result, "never"), "");
+}
+
+#[test]
 fn parts_that_are_kept_one_after_the_other_become_one() {
     let studio = Studio::open();
     studio.post("/api/samples/snake", &json!({})).good();

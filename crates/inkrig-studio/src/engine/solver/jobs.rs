@@ -18,7 +18,12 @@ const TELL: Duration = Duration::from_millis(50);
 impl Worker {
     /// Does a job, tells what came of it, and shows its result.
     pub(super) fn work(&mut self, job: Job) {
-        let done = self.solve(&job);
+        let mut done = self.solve(&job);
+        while let Err(error) = &done
+            && self.learns(&job.document, error)
+        {
+            done = self.solve(&job);
+        }
         let mut work = self.inbox.lock();
         work.current = None;
         let stopped = work.cancelled.contains(&job.id);
@@ -82,7 +87,7 @@ impl Worker {
     fn solve(&mut self, job: &Job) -> Result<Vec<String>, StudioError> {
         let document = &job.document;
         let prepared = self.prepared(document)?;
-        let mut wishes = prepared.wishes(document, &self.folder, &self.media)?;
+        let mut wishes = self.wishes(document, &prepared)?;
         wishes.options.threads = self.threads;
         let Wishes { control, options, .. } = &wishes;
         let mut told = Instant::now();

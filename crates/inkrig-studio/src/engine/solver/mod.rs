@@ -17,7 +17,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 use tokio::sync::watch;
-use worker::Worker;
+use worker::{Refused, Worker};
 
 /// A document to be seen at once.
 #[derive(Debug, Clone)]
@@ -81,6 +81,7 @@ impl Solver {
             results: results.clone(),
             source: None,
             live: None,
+            refused: Refused::default(),
         };
         let spawned = std::thread::Builder::new().name("solver".into()).spawn(move || worker.run());
         let thread = spawned.map_err(|cause| StudioError::Internal(cause.to_string()))?;

@@ -34,7 +34,13 @@ impl Worker {
                         | StudioError::Sketch(_)
                 )
         };
-        match self.update(live) {
+        let mut done = self.update(live);
+        while let Err(error) = &done
+            && self.learns(&live.document, error)
+        {
+            done = self.update(live);
+        }
+        match done {
             Ok(()) | Err(StudioError::Align(AlignError::Cancelled)) => {}
             Err(error) => {
                 let not = Shown::Not {
@@ -50,7 +56,7 @@ impl Worker {
     fn update(&mut self, live: &Live) -> Result<(), StudioError> {
         let document = &live.document;
         let prepared = self.prepared(document)?;
-        let Wishes { control, mut options, .. } = prepared.wishes(document, &self.folder, &self.media)?;
+        let Wishes { control, mut options, .. } = self.wishes(document, &prepared)?;
         options.threads = self.threads;
         let key = SourceKey::of(document);
         let known = self.live.take().and_then(|mut ready| {

@@ -4,12 +4,13 @@ use super::Shown;
 use super::inbox::{Inbox, Task};
 use super::preview::Ready;
 use crate::StudioError;
-use crate::document::Document;
+use crate::document::{Document, Key};
 use crate::engine::media::Media;
 use crate::engine::results::Results;
-use crate::engine::{Prepared, SourceKey};
+use crate::engine::{Prepared, SourceKey, Waiting, Wishes};
 use crate::events::Events;
 use crate::project::Folder;
+use inkrig_align::AlignError;
 use std::sync::{Arc, Mutex};
 use tokio::sync::watch;
 
@@ -24,6 +25,15 @@ pub(super) struct Worker {
     pub(super) results: Arc<Mutex<Results>>,
     pub(super) source: Option<(SourceKey, Prepared)>,
     pub(super) live: Option<Ready>,
+    /// Keys that the engine refused, and the document's keys and source of which they are.
+    pub(super) refused: Refused,
+}
+
+/// What the engine refused of a document.
+#[derive(Debug, Default)]
+pub(super) struct Refused {
+    of: Option<(Vec<Key>, SourceKey)>,
+    waiting: Vec<Waiting>,
 }
 
 impl Worker {
@@ -48,5 +58,25 @@ impl Worker {
         let prepared = Prepared::source(document, &self.folder, &self.media)?;
         self.source = Some((key, prepared.clone()));
         Ok(prepared)
+    }
+
+    /// The wishes of a document, without what was refused of it before.
+    pub(super) fn wishes(&mut self, document: &Document, prepared: &Prepared) -> Result<Wishes, StudioError> {
+        let mut wishes = prepared.wishes(document, &self.folder, &self.media)?;
+        let of = Some((document.keys.clone(), SourceKey::of(document)));
+        if self.refused.of != of {
+            self.refused = Refused { of, waiting: Vec::new() };
+        }
+        wishes.leave_out(&self.refused.waiting);
+        Ok(wishes)
+    }
+
+    /// Whether an error is of a single key, without which it is worth another try.
+    pub(super) fn learns(&mut self, document: &Document, error: &StudioError) -> bool {
+        let StudioError::Align(AlignError::Key { what }) = error else { return false };
+        let wishes = self.prepared(document).and_then(|prepared| self.wishes(document, &prepared));
+        let Some(refused) = wishes.ok().and_then(|wishes| wishes.named(what)) else { return false };
+        self.refused.waiting.push(refused);
+        true
     }
 }
