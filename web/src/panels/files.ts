@@ -59,7 +59,7 @@ function clipRow(clip: ClipEntry, session: Session, acts: FilesActs): HTMLElemen
     const next = on.checked ? [...now.clips, clip.id] : now.clips.filter((id) => id !== clip.id);
     store.edit(on.checked ? `Arrange ${clip.name}` : `Leave out ${clip.name}`, [{ type: 'setSource', source: { ...now, clips: next } }]);
   });
-  const name = h('input', { type: 'text', value: clip.name, style: 'flex:1;border-color:transparent;background:none', 'aria-label': `Name of ${clip.name}` });
+  const name = h('input', { type: 'text', value: clip.name, style: 'flex:1;min-width:0;border-color:transparent;background:none', 'aria-label': `Name of ${clip.name}` });
   name.addEventListener('change', () => store.edit('Rename clip', [{ type: 'renameClip', id: clip.id, name: name.value.trim() || clip.name }]));
   const about = h('span', { class: 'soft' }, detail ? `${detail.seconds.toFixed(1)} s` : '');
   const gone = tool('close', `Remove ${clip.name}`, () => store.edit(`Remove ${clip.name}`, [{ type: 'removeClip', id: clip.id }]));
