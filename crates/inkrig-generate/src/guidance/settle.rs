@@ -143,7 +143,7 @@ pub(super) fn misses_pose(
         way.iter_mut().for_each(|x| *x *= (weight / length / JOINTS as f64) as f32);
     }
     let of_joints = of_pose_back(view, &by);
-    for (of, by) in of.iter_mut().zip(of_joints.iter().flat_map(|by| by.to_array())) {
+    for (of, by) in of.iter_mut().zip(of_joints.iter().flat_map(Vec3::to_array)) {
         *of += f64::from(by);
     }
     sum

@@ -59,9 +59,9 @@ pub struct Denoiser {
 #[derive(Debug, Clone)]
 pub(super) enum Form {
     /// Blocks with attention between tokens, as published.
-    Attending(Attending),
+    Attending(Box<Attending>),
     /// Feed-forward blocks on whole latents.
-    Feeding(Feeding),
+    Feeding(Box<Feeding>),
 }
 
 impl Denoiser {
@@ -71,11 +71,11 @@ impl Denoiser {
     /// When the sizes cannot be, or a weight is missing or of another shape.
     pub fn new(sizes: &Sizes, weights: &Tensors) -> Result<Self, GenerateError> {
         let form = if sizes.trunk > 0 {
-            Form::Feeding(Feeding::new(sizes, weights)?)
+            Form::Feeding(Box::new(Feeding::new(sizes, weights)?))
         } else {
             let blocks = sizes.denoiser_blocks;
             let branch = Branch::new(weights, "denoiser.denoiser", sizes, blocks, Ending::Norm)?;
-            Form::Attending(Attending { branch, velocity: Velocity::new(sizes, weights)? })
+            Form::Attending(Box::new(Attending { branch, velocity: Velocity::new(sizes, weights)? }))
         };
         Ok(Self { form, schedule: NoiseSchedule::default() })
     }
