@@ -118,17 +118,17 @@ mod tests {
     fn the_gradient_is_a_difference_in_every_tensor() {
         let attending = Sizes { latent_tokens: 2, guidance_width: 0, velocity: true, ..Sizes::tiny() };
         let feeding = Sizes { trunk: 24, ..attending.clone() };
-        [attending, feeding].into_iter().for_each(check);
+        [attending, feeding].iter().for_each(check);
     }
 
-    fn check(sizes: Sizes) {
+    fn check(sizes: &Sizes) {
         let parts = Parts { vae: false, denoiser: true, control: false, control_2d: false };
-        let mut weights = hashed(&sizes, parts);
+        let mut weights = hashed(sizes, parts);
         let text = sizes.text_width;
         weights
             .insert(VerbTable::VERBS, Tensor::new(vec![3, text], Noise::new(5).normals(3 * text)).unwrap());
         weights.insert(VerbTable::NOTHING, Tensor::new(vec![text], Noise::new(6).normals(text)).unwrap());
-        let mut learner = DenoiserLearner::new(&sizes, &weights).unwrap();
+        let mut learner = DenoiserLearner::new(sizes, &weights).unwrap();
         let numbers = 3 * 2 * sizes.width;
         let (latents, noise) = (Noise::new(1).normals(numbers), Noise::new(2).normals(numbers));
         let batch = NoisyVerbs {

@@ -184,16 +184,16 @@ mod tests {
     fn the_gradient_is_a_difference_in_every_tensor_and_a_step_of_nothing_is_none() {
         let attending = Sizes { latent_tokens: 2, velocity: true, ..Sizes::tiny() };
         let feeding = Sizes { trunk: 24, ..attending.clone() };
-        [attending, feeding].into_iter().for_each(check);
+        [attending, feeding].iter().for_each(check);
     }
 
-    fn check(sizes: Sizes) {
+    fn check(sizes: &Sizes) {
         let parts = Parts { vae: false, denoiser: true, control: false, control_2d: false };
-        let weights = hashed(&sizes, parts);
+        let weights = hashed(sizes, parts);
         let no_text = Noise::new(6).normals(sizes.text_width);
         let plain = Sizes { guidance_width: 0, ..sizes.clone() };
         let teacher = hashed(&plain, parts);
-        let mut learner = DistillLearner::new(&sizes, &weights, &teacher, &no_text, 0.01).unwrap();
+        let mut learner = DistillLearner::new(sizes, &weights, &teacher, &no_text, 0.01).unwrap();
         let noisy = Noise::new(1).normals(2 * 2 * sizes.width);
         let texts = Noise::new(2).normals(2 * sizes.text_width);
         let batch = DistillBatch {
