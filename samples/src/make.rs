@@ -58,8 +58,8 @@ pub fn make_all() -> Result<Vec<(String, Vec<u8>)>, MakeError> {
     for (name, text) in curves::files()? {
         files.push((format!("curves/{name}"), text.into_bytes()));
     }
-    for (name, text) in storyboards::files()? {
-        files.push((format!("storyboards/{name}"), text.into_bytes()));
+    for (name, bytes) in storyboards::files()? {
+        files.push((format!("storyboards/{name}"), bytes));
     }
     Ok(files)
 }

@@ -4,13 +4,16 @@
 use crate::error::StoryboardError;
 use crate::plan::{Plan, seen};
 use inkrig_generate::GenerateError;
-use inkrig_generate::guidance::{Target, View};
+use inkrig_generate::guidance::{Ask, Target, View};
 use inkrig_generate::measures::{jerk, skating};
 use inkrig_generate::networks::{Decoding, Domain};
-use inkrig_generate::sampling::{Conditions, Networks, Sampler, SamplingOptions};
+use inkrig_generate::readers::sketch::JOINT_OF_KEY_POINT;
+use inkrig_generate::sampling::{Conditions, Networks, Request, Sampler, SamplingOptions};
 use inkrig_motion::Features;
 use inkrig_motion::glam::{Vec2, Vec3};
-use inkrig_motion::humanml::{Joints, Statistics, WIDTH, recover_positions};
+use inkrig_motion::humanml::{
+    Blocks, FRAME_RATE, JOINTS, Joints, Statistics, WIDTH, augment, keep_footing, recover_positions,
+};
 use rayon::prelude::*;
 
 /// What clips are made with.
@@ -20,6 +23,8 @@ pub struct Maker<'a> {
     pub networks: &'a Networks,
     /// Of its features.
     pub features: &'a Statistics,
+    /// Of places of joints, as conditions are told.
+    pub places: &'a Statistics,
     /// The vector of a text that says nothing.
     pub no_text: &'a [f32],
     /// Frames that the model was trained with; shorter clips are cut from these.
@@ -29,8 +34,10 @@ pub struct Maker<'a> {
 /// How clips are made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MakerOptions {
-    /// Steps, text and guidance. Without guidance only the word counts.
+    /// Steps, text and guidance.
     pub sampling: SamplingOptions,
+    /// Whether the drawing counts. Without it only the word does.
+    pub drawn: bool,
     /// How many are sampled for a frame; the best is taken.
     pub candidates: usize,
     /// The same seed gives the same.
@@ -42,6 +49,8 @@ pub struct MakerOptions {
 pub struct Generated {
     /// Where its joints are, metres; it begins above the origin and faces +z.
     pub motion: Vec<Joints>,
+    /// What the model says of left ankle, left foot, right ankle, right foot, from 0 (moves) to 1 (stands).
+    pub contacts: Vec<[f32; 4]>,
     /// What it was asked for, the picture moved to where the motion is.
     pub plan: Plan,
     /// Mean distance of asked joints from their places on the picture, metres.
@@ -92,20 +101,24 @@ impl Maker<'_> {
         text: &[f32],
         options: &MakerOptions,
     ) -> Result<Generated, GenerateError> {
-        let seed =
-            options.seed.wrapping_mul(1_000_003).wrapping_add((number as u64) << 20) + candidate as u64;
+        let seed = options
+            .seed
+            .wrapping_mul(1_000_003)
+            .wrapping_add((number as u64) << 20)
+            .wrapping_add(candidate as u64);
         let mut plan = plan.clone();
-        if !plan.placed && options.sampling.guidance.is_some() {
+        if !plan.placed && options.drawn {
             // Where the motion will have taken the figure: as far as it goes without the drawing.
-            let (free, _) =
-                self.sample(&Plan { keypose: None, ways: Vec::new(), ..plan.clone() }, text, options, seed)?;
-            plan = placed_on(&plan, &free);
+            let free = Plan { keypose: None, ways: Vec::new(), ..plan.clone() };
+            plan = placed_on(&plan, &self.sample(&free, text, options, seed)?.motion);
         }
-        let (mut motion, evaluations) = self.sample(&plan, text, options, seed)?;
-        to_floor(&mut motion);
+        let Sampled { motion, contacts, evaluations } = self.sample(&plan, text, options, seed)?;
+        // The picture follows the motion, before feet are put on the floor and behind it.
         let plan = plan.moved(offset(&plan, &motion));
         let [error, worst] = error(&plan, &motion);
-        Ok(Generated { motion, error, worst, plan, candidate, evaluations })
+        let motion = keep_footing(&motion, &contacts, FRAME_RATE, &[])?.frames;
+        let plan = plan.moved(offset(&plan, &motion));
+        Ok(Generated { motion, contacts, error, worst, plan, candidate, evaluations })
     }
 
     fn sample(
@@ -114,11 +127,9 @@ impl Maker<'_> {
         text: &[f32],
         options: &MakerOptions,
         seed: u64,
-    ) -> Result<(Vec<Joints>, usize), GenerateError> {
+    ) -> Result<Sampled, GenerateError> {
         let frames = plan.frames.max(self.usual_frames);
-        let target = Target { view: View::Plane(plan.camera), asks: plan.asks() };
-        let conditions =
-            Conditions::from_tables(frames, text.to_vec(), Domain::Space, Vec::new(), None, target)?;
+        let conditions = self.conditions(frames, plan, text, options)?;
         let sampler = Sampler { networks: self.networks, features: self.features, no_text: self.no_text };
         let sampled = sampler.sample(&[conditions], &options.sampling, seed)?;
         let mut decoding = Decoding::default();
@@ -126,9 +137,55 @@ impl Maker<'_> {
         let mut rows = decoding.features().to_vec();
         rows.truncate(plan.frames * WIDTH);
         self.features.restore(&mut rows);
-        let motion = recover_positions(&Features::new(rows, WIDTH)?)?;
-        Ok((motion, sampled.guided.iter().map(|guided| guided.evaluations).sum()))
+        let contacts =
+            rows.chunks_exact(WIDTH).filter_map(|row| row[Blocks::CONTACTS].try_into().ok()).collect();
+        Ok(Sampled {
+            motion: recover_positions(&Features::new(rows, WIDTH)?)?,
+            contacts,
+            evaluations: sampled.guided.iter().map(|guided| guided.evaluations).sum(),
+        })
     }
+}
+
+impl Maker<'_> {
+    /// What the networks are told: all that is drawn where they were taught such pictures, else the word alone; guidance follows it all.
+    fn conditions(
+        &self,
+        frames: usize,
+        plan: &Plan,
+        text: &[f32],
+        options: &MakerOptions,
+    ) -> Result<Conditions, GenerateError> {
+        let (text, view) = (text.to_vec(), View::Plane(plan.camera));
+        let all = Target { view, asks: if options.drawn { plan.asks() } else { Vec::new() } };
+        let known = plan.usual_view && self.networks.follows(Domain::Plane);
+        if all.asks.is_empty() || !known {
+            return Conditions::from_tables(frames, text, Domain::Space, Vec::new(), None, all);
+        }
+        let keypose = whole_pose(plan);
+        let pose_is_told = |ask: &Ask| keypose.is_some_and(|_| !plan.on_way(ask));
+        let trajectory = all.asks.iter().filter(|ask| !pose_is_told(ask)).copied().collect();
+        let request = Request { frames, text, view, trajectory, keypose };
+        Ok(Conditions::new(&request, self.places, options.sampling.semantics)?.guided_to(all))
+    }
+}
+
+/// The drawn pose as networks know poses: with every joint that a figure has, else none.
+fn whole_pose(plan: &Plan) -> Option<(usize, Joints)> {
+    let (frame, joints) = plan.keypose.as_ref()?;
+    let mut pose = [Vec3::ZERO; JOINTS];
+    for joint in JOINT_OF_KEY_POINT {
+        let (_, at) = plan.pose.iter().find(|(own, _)| *own == joint)?;
+        let moved = joints.iter().find(|(own, _, _)| *own == joint);
+        pose[joint] = moved.map_or(*at, |(_, at, _)| *at).extend(1.0);
+    }
+    Some((*frame, augment(&pose)))
+}
+
+struct Sampled {
+    motion: Vec<Joints>,
+    contacts: Vec<[f32; 4]>,
+    evaluations: usize,
 }
 
 /// The plan where a motion has its key frame.
@@ -165,15 +222,6 @@ fn error(plan: &Plan, motion: &[Joints]) -> [f32; 2] {
     [off.iter().sum::<f32>() / off.len().max(1) as f32, off.iter().copied().fold(0.0, f32::max)]
 }
 
-/// Moves a clip up or down so that its lowest points, but for a tenth of the frames, are on the floor.
-fn to_floor(motion: &mut [Joints]) {
-    let mut lowest: Vec<f32> =
-        motion.iter().map(|pose| pose.iter().map(|joint| joint.y).fold(f32::INFINITY, f32::min)).collect();
-    lowest.sort_by(f32::total_cmp);
-    let Some(&floor) = lowest.get(lowest.len() / 10) else { return };
-    motion.iter_mut().flatten().for_each(|joint| joint.y -= floor);
-}
-
 /// What is taken is near to the drawing, stands on the ground without sliding, and does not jerk.
 fn cost(clip: &Generated) -> f64 {
     let motion = &clip.motion;
@@ -183,5 +231,5 @@ fn cost(clip: &Generated) -> f64 {
     let away = lowest.map(|low| f64::from(low.abs())).sum::<f64>() / count;
     let jerks = jerk(motion);
     let jerks = jerks.iter().sum::<f64>() / jerks.len().max(1) as f64;
-    f64::from(clip.error) + 0.1 * skating(motion).ratio + 0.2 * away + 0.5 * jerks
+    f64::from(clip.error) + 0.3 * skating(motion).ratio + 0.2 * away + 0.5 * jerks
 }

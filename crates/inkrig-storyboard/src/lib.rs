@@ -1,10 +1,11 @@
 //! From a storyboard to one animation (Sketch2Anim, sections 3 and 6).
 //!
 //! The order of work: [`understand`] makes of a drawn frame what the model is asked for ([`Plan`]), [`Maker::clip`] makes a
-//! motion of that, [`sequence`] puts the motions end to end, [`meet`] moves a motion until it meets what was drawn.
+//! motion of that, [`animation`] puts the motions end to end and on the floor, and moves the whole until it meets what was drawn.
 //!
 //! Picture coordinates are metres, x to the right and y up, as [`inkrig_motion::humanml::Camera`] projects the world.
 
+mod animation;
 mod attach;
 mod calibrate;
 mod error;
@@ -18,9 +19,10 @@ mod plan;
 mod sequence;
 mod timing;
 
+pub use animation::{Animation, Exact, animation};
 pub use attach::Way;
 pub use error::StoryboardError;
-pub use exact::{Goal, MeetOptions, Met, meet, misses};
+pub use exact::{Goal, MeetOptions, Met, Source, meet, misses, proportion};
 pub use figure::{Figure, Found, read_figure};
 pub use generate::{Generated, Maker, MakerOptions};
 pub use picture::{Picture, storyboard_of_picture};

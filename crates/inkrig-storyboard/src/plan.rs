@@ -3,6 +3,7 @@
 use crate::attach::{Way, attach};
 use crate::calibrate::Calibration;
 use crate::error::{Problem, StoryboardError};
+use crate::exact::Source;
 use crate::figure::Figure;
 use crate::page::Page;
 use crate::timing::{LEAST, timed, usual_speed};
@@ -42,6 +43,9 @@ const TREMOR: f64 = 1.5;
 const LED: usize = 6;
 /// A named way that begins farther than this from its joint is moved there as a whole, metres.
 const BESIDE: f32 = 0.3;
+/// Views that the networks were taught, and a little more, degrees.
+const PITCHES: std::ops::RangeInclusive<f64> = -5.0..=40.0;
+const YAWS: std::ops::RangeInclusive<f64> = -50.0..=50.0;
 /// Likelihood below which a read joint is left to the model.
 const FAINT: f32 = 0.15;
 
@@ -57,6 +61,10 @@ pub struct Plan {
     pub frames: usize,
     /// The camera.
     pub camera: Camera,
+    /// Whether it looks from where the networks were taught to look from.
+    pub usual_view: bool,
+    /// All joints of the figure, also those that nothing is asked of.
+    pub pose: Vec<(usize, Vec2)>,
     /// The frame of the key pose, and its joints.
     pub keypose: Option<(usize, Vec<KeyJoint>)>,
     /// Ways of joints: joint, first frame, a place a frame.
@@ -80,29 +88,43 @@ pub struct Understood {
 }
 
 impl Plan {
-    /// All that is asked for, in the form of guidance's targets.
-    pub fn asks(&self) -> Vec<Ask> {
-        let ask = |frame: usize, joint: usize, at: Vec2| Ask { frame, joint, place: at.extend(0.0) };
-        let pose = self
-            .keypose
-            .iter()
-            .flat_map(|(frame, joints)| joints.iter().map(move |(joint, at, _)| ask(*frame, *joint, *at)));
-        let ways = self.ways.iter().flat_map(|(joint, first, places)| {
-            places.iter().enumerate().map(move |(at, place)| ask(first + at, *joint, *place))
-        });
-        let mut asks: Vec<Ask> = ways.collect();
-        for ask in pose {
-            if !asks.iter().any(|other| other.frame == ask.frame && other.joint == ask.joint) {
-                asks.push(ask);
+    /// All that is asked for: frame, joint, place and what asks. A joint has one place a frame: its way's before its pose's.
+    pub fn wanted(&self) -> Vec<(usize, usize, Vec2, Source)> {
+        let mut all: Vec<(usize, usize, Vec2, Source)> = Vec::new();
+        for (joint, first, places) in &self.ways {
+            let way = places.iter().enumerate().map(|(at, place)| (first + at, *joint, *place, Source::Way));
+            all.extend(way);
+        }
+        if let Some((frame, joints)) = &self.keypose {
+            for (joint, at, pinned) in joints {
+                if !all.iter().any(|other| (other.0, other.1) == (*frame, *joint)) {
+                    all.push((*frame, *joint, *at, if *pinned { Source::Pin } else { Source::Pose }));
+                }
             }
         }
-        asks
+        all
+    }
+
+    /// The same in the form of guidance's targets.
+    pub fn asks(&self) -> Vec<Ask> {
+        let ask =
+            |(frame, joint, at, _): (usize, usize, Vec2, Source)| Ask { frame, joint, place: at.extend(0.0) };
+        self.wanted().into_iter().map(ask).collect()
+    }
+
+    /// Whether a trajectory asks for it.
+    pub(crate) fn on_way(&self, ask: &Ask) -> bool {
+        let own = |(joint, first, places): &(usize, usize, Vec<Vec2>)| {
+            *joint == ask.joint && (*first..first + places.len()).contains(&ask.frame)
+        };
+        self.ways.iter().any(own)
     }
 
     /// All places moved on the picture.
     pub fn moved(&self, by: Vec2) -> Self {
         let mut plan = self.clone();
         plan.keypose.iter_mut().flat_map(|(_, joints)| joints).for_each(|(_, at, _)| *at += by);
+        plan.pose.iter_mut().for_each(|(_, at)| *at += by);
         plan.ways.iter_mut().flat_map(|(_, _, places)| places).for_each(|at| *at += by);
         plan
     }
@@ -156,6 +178,8 @@ fn plan(
         word,
         frames: said.unwrap_or(USUAL_FRAMES),
         camera,
+        usual_view: PITCHES.contains(&frame.camera.pitch_degrees) && YAWS.contains(&frame.camera.yaw_degrees),
+        pose: Vec::new(),
         keypose: None,
         ways: Vec::new(),
         placed: true,
@@ -181,7 +205,8 @@ fn plan(
     let frames = said.unwrap_or(longest.max(USUAL_FRAMES));
     let ends = attached.first().is_some_and(|way| way.figure == End::End);
     let key = if ends { frames - 1 } else { 0 };
-    let mut plan = Plan { frames, ..empty };
+    let whole = pose.iter().enumerate().filter_map(|(joint, at)| Some((joint, (*at)?))).collect();
+    let mut plan = Plan { frames, pose: whole, ..empty };
     let mut joints: Vec<KeyJoint> = ASKED
         .into_iter()
         .filter_map(|joint| {

@@ -206,8 +206,17 @@ mod tests {
         let motion = (0..frames).map(|at| pose.map(|p| p + Vec3::Z * speed * at as f32)).collect();
         let ways = asked.iter().map(|at| (20, *at, vec![Vec2::ZERO])).collect();
         let camera = Camera::default();
-        let plan = Plan { word: String::new(), frames, camera, keypose: None, ways, placed: true };
-        Generated { motion, plan, error: 0.0, worst: 0.0, candidate: 0, evaluations: 0 }
+        let plan = Plan {
+            word: String::new(),
+            frames,
+            camera,
+            usual_view: true,
+            pose: Vec::new(),
+            keypose: None,
+            ways,
+            placed: true,
+        };
+        Generated { contacts: Vec::new(), motion, plan, error: 0.0, worst: 0.0, candidate: 0, evaluations: 0 }
     }
 
     #[test]

@@ -34,6 +34,8 @@ pub struct Conditions {
     pub(crate) trajectory: Vec<(usize, Vec<f32>)>,
     pub(crate) keypose: Option<(usize, Vec<f32>)>,
     pub(crate) target: Target,
+    /// What guidance follows, where that is more than the trajectory.
+    pub(crate) guide: Option<Target>,
     /// The key pose in metres.
     pub(crate) pose: Option<(usize, Joints)>,
 }
@@ -91,7 +93,7 @@ impl Conditions {
         let pose = request.keypose;
         let target = Target { view: request.view, asks: request.trajectory.clone() };
         let (frames, text) = (request.frames, request.text.clone());
-        Ok(Self { frames, text, domain, trajectory, keypose, target, pose })
+        Ok(Self { frames, text, domain, trajectory, keypose, target, guide: None, pose })
     }
 
     /// From tables that are normalised already: frames x 66 each, zeros where nothing is asked for.
@@ -110,8 +112,13 @@ impl Conditions {
             Some((_, row)) => {
                 Err(GenerateError::Length { what: "row of a condition", expected: POSE, got: row.len() })
             }
-            None => Ok(Self { frames, text, domain, trajectory, keypose, target, pose: None }),
+            None => Ok(Self { frames, text, domain, trajectory, keypose, target, guide: None, pose: None }),
         }
+    }
+
+    /// The same, with another target for guidance: one that has joints of the key pose too, say.
+    pub fn guided_to(self, target: Target) -> Self {
+        Self { guide: Some(target), ..self }
     }
 
     /// The frames of the trajectory that ask for something, with 66 normalised numbers each.

@@ -176,8 +176,10 @@ impl Sampler<'_> {
         let prepared = self.prepare(conditions, options, &schedule)?;
         let mut texts: Vec<f32> =
             conditions.iter().flat_map(|conditions| &conditions.text).copied().collect();
-        let clips: Vec<GuidedClip<'_>> =
-            conditions.iter().map(|c| GuidedClip { target: &c.target, frames: c.frames }).collect();
+        let clips: Vec<GuidedClip<'_>> = conditions
+            .iter()
+            .map(|own| GuidedClip { target: own.guide.as_ref().unwrap_or(&own.target), frames: own.frames })
+            .collect();
         let guidance =
             options.guidance.as_ref().filter(|_| clips.iter().any(|clip| !clip.target.asks.is_empty()));
         let mut guide = Guide::new(&self.networks.vae, self.features, &clips);

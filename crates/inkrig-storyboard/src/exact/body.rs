@@ -1,24 +1,48 @@
-//! A body in variables that cannot change the length of a bone, and the way back for gradients.
+//! A body whose bones keep their lengths, and how its joints move with what may change.
 
 use inkrig_motion::glam::{DQuat, DVec3, Vec3};
 use inkrig_motion::humanml::{JOINTS, Joints, PARENTS};
 use inkrig_motion::{Clip, kinematics::Pose};
 
+/// Places or bones of all joints.
+pub(super) type Places = [DVec3; JOINTS];
+
 /// Joints whose children are rigid with them: pelvis and chest.
 const HUBS: [usize; 2] = [0, 9];
-/// Numbers of a frame: the root's place, two turns of four numbers, and the directions of 15 bones.
-pub(super) const WIDTH: usize = 3 + 4 * HUBS.len() + 3 * FREE.len();
 /// Joints whose bones point anywhere.
 const FREE: [usize; 15] = [4, 5, 6, 7, 8, 9, 10, 11, 15, 16, 17, 18, 19, 20, 21];
+/// What may change in a frame: the root's place, two turns, and the directions of bones, two numbers each.
+pub(super) const FREEDOMS: usize = 3 + 3 * HUBS.len() + 2 * FREE.len();
 
-/// What variables mean for the joints of a skeleton.
+/// The bones at rest.
 #[derive(Debug, Clone)]
-pub(super) struct Variables {
-    /// The bone that ends at each joint, at rest.
-    rest: [DVec3; JOINTS],
+pub(super) struct Body {
+    rest: Places,
 }
 
-impl Variables {
+/// How a body stands in a frame.
+#[derive(Debug, Clone)]
+pub(super) struct Stance {
+    root: DVec3,
+    turns: [DQuat; HUBS.len()],
+    ways: [DVec3; FREE.len()],
+}
+
+/// How a bone, or the root's place, changes with the freedoms from `first` on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Moves {
+    first: usize,
+    count: usize,
+    by: [DVec3; 3],
+}
+
+impl Moves {
+    pub(super) fn each(&self) -> impl Iterator<Item = (usize, DVec3)> + '_ {
+        self.by.iter().take(self.count).enumerate().map(|(number, by)| (self.first + number, *by))
+    }
+}
+
+impl Body {
     pub(super) fn of(clip: &Clip) -> Self {
         let joints = clip.skeleton().joints();
         Self {
@@ -28,126 +52,108 @@ impl Variables {
         }
     }
 
-    /// The variables of a clip.
-    pub(super) fn start(&self, clip: &Clip) -> Vec<f32> {
+    /// The same with limbs of another length, as a share of theirs.
+    pub(super) fn with_limbs(mut self, share: f64) -> Self {
+        [4, 5, 7, 8, 18, 19, 20, 21].into_iter().for_each(|joint: usize| self.rest[joint] *= share);
+        self
+    }
+
+    /// How it stands in every frame of a clip.
+    pub(super) fn stances(&self, clip: &Clip) -> Vec<Stance> {
         let mut pose = Pose::new(clip.skeleton());
-        let mut x = Vec::with_capacity(clip.frames() * WIDTH);
-        for frame in 0..clip.frames() {
+        let stance = |frame| {
             pose.set(clip, frame);
-            x.extend(pose.positions[0].to_array());
-            for hub in HUBS {
-                let turn = pose.rotations[hub];
-                x.extend([turn.w, turn.x, turn.y, turn.z]);
-            }
-            for joint in FREE {
+            let way = |joint: usize| {
                 let bone: Vec3 = pose.positions[joint] - pose.positions[PARENTS[joint]];
-                x.extend(bone.normalize_or(Vec3::Y).to_array());
+                bone.as_dvec3().normalize_or(DVec3::Y)
+            };
+            Stance {
+                root: pose.positions[0].as_dvec3(),
+                turns: HUBS.map(|hub| pose.rotations[hub].as_dquat().normalize()),
+                ways: FREE.map(way),
             }
-        }
-        x
+        };
+        (0..clip.frames()).map(stance).collect()
     }
 
-    /// Where the joints are.
-    pub(super) fn joints(&self, x: &[f32]) -> Vec<Joints> {
-        x.chunks_exact(WIDTH).map(|x| self.pose(x).map(single)).collect()
-    }
-
-    /// The joints of one frame.
-    pub(super) fn pose(&self, x: &[f32]) -> [DVec3; JOINTS] {
-        let mut pose = [vector(x, 0); JOINTS];
+    /// The bone that ends at each joint; at 0 the root's place.
+    pub(super) fn bones(&self, stance: &Stance) -> Places {
+        let mut bones = [stance.root; JOINTS];
         for joint in 1..JOINTS {
-            let bone = match hub(joint) {
-                Some(hub) => turn(x, hub) * self.rest[joint],
-                None => {
-                    let way = vector(x, place(joint));
-                    way * (self.rest[joint].length() / way.length().max(1e-9))
+            bones[joint] = match place(joint) {
+                Place::Rigid(hub) => stance.turns[hub] * self.rest[joint],
+                Place::Free(at) => stance.ways[at] * self.rest[joint].length(),
+            };
+        }
+        bones
+    }
+
+    /// How each of them changes.
+    pub(super) fn moves(&self, stance: &Stance, bones: &Places) -> [Moves; JOINTS] {
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        let mut moves = [Moves { first: 0, count: 3, by: axes }; JOINTS];
+        for joint in 1..JOINTS {
+            moves[joint] = match place(joint) {
+                Place::Rigid(hub) => {
+                    Moves { first: 3 + 3 * hub, count: 3, by: axes.map(|axis| axis.cross(bones[joint])) }
+                }
+                Place::Free(at) => {
+                    let length = self.rest[joint].length();
+                    let (a, b) = stance.ways[at].any_orthonormal_pair();
+                    let first = 3 + 3 * HUBS.len() + 2 * at;
+                    Moves { first, count: 2, by: [length * a, length * b, DVec3::ZERO] }
                 }
             };
-            pose[joint] = pose[PARENTS[joint]] + bone;
         }
-        pose
-    }
-
-    /// Adds the gradient with respect to the variables of a frame, for one with respect to the joints, which is used up.
-    pub(super) fn gradient(&self, x: &[f32], of: &mut [DVec3; JOINTS], out: &mut [f32]) {
-        for joint in (1..JOINTS).rev() {
-            let force = of[joint];
-            of[PARENTS[joint]] += force;
-            match hub(joint) {
-                Some(hub) => {
-                    let by = by_turn(x, hub, self.rest[joint], force);
-                    add(out, 3 + 4 * hub, &by);
-                }
-                None => {
-                    let at = place(joint);
-                    let way = vector(x, at);
-                    let length = way.length().max(1e-9);
-                    let along = way / length;
-                    let by = (force - along * along.dot(force)) * (self.rest[joint].length() / length);
-                    add(out, at, &by.to_array());
-                }
-            }
-        }
-        add(out, 0, &of[0].to_array());
+        moves
     }
 }
 
-fn single(place: DVec3) -> Vec3 {
-    place.as_vec3()
+impl Stance {
+    /// After a step of [`FREEDOMS`] numbers.
+    pub(super) fn moved(&self, step: &[f64]) -> Self {
+        let vector = |at: usize| match step.get(at..at + 3) {
+            Some([x, y, z]) => DVec3::new(*x, *y, *z),
+            _ => DVec3::ZERO,
+        };
+        let turn = |hub: usize| (DQuat::from_scaled_axis(vector(3 + 3 * hub)) * self.turns[hub]).normalize();
+        let way = |at: usize| {
+            let (a, b) = self.ways[at].any_orthonormal_pair();
+            let first = 3 + 3 * HUBS.len() + 2 * at;
+            let along = |number: usize| step.get(first + number).copied().unwrap_or(0.0);
+            (self.ways[at] + a * along(0) + b * along(1)).normalize()
+        };
+        Self { root: self.root + vector(0), turns: std::array::from_fn(turn), ways: std::array::from_fn(way) }
+    }
 }
 
-/// Which hub a joint is rigid with.
-fn hub(joint: usize) -> Option<usize> {
+/// Where joints are, from bones.
+pub(super) fn places(bones: &Places) -> Places {
+    let mut places = *bones;
+    for joint in 1..JOINTS {
+        places[joint] = places[PARENTS[joint]] + bones[joint];
+    }
+    places
+}
+
+pub(super) fn single(places: &Places) -> Joints {
+    places.map(|place| place.as_vec3())
+}
+
+/// A joint and those above it, the root last.
+pub(super) fn chain(joint: usize) -> impl Iterator<Item = usize> {
+    std::iter::successors(Some(joint), |joint| (*joint > 0).then(|| PARENTS[*joint]))
+}
+
+enum Place {
+    Rigid(usize),
+    Free(usize),
+}
+
+fn place(joint: usize) -> Place {
     match joint {
-        1..=3 => Some(0),
-        12..=14 => Some(1),
-        _ => None,
-    }
-}
-
-/// Where a free bone's direction stands.
-fn place(joint: usize) -> usize {
-    let before = FREE.iter().position(|free| *free == joint).unwrap_or(0);
-    3 + 4 * HUBS.len() + 3 * before
-}
-
-fn vector(x: &[f32], at: usize) -> DVec3 {
-    match x.get(at..at + 3) {
-        Some([x, y, z]) => DVec3::new(f64::from(*x), f64::from(*y), f64::from(*z)),
-        _ => DVec3::ZERO,
-    }
-}
-
-/// The four numbers of a hub's turn, of any length.
-fn numbers(x: &[f32], hub: usize) -> [f64; 4] {
-    match x.get(3 + 4 * hub..7 + 4 * hub) {
-        Some([w, x, y, z]) => [*w, *x, *y, *z].map(f64::from),
-        _ => [1.0, 0.0, 0.0, 0.0],
-    }
-}
-
-fn turn(x: &[f32], hub: usize) -> DQuat {
-    let [w, x, y, z] = numbers(x, hub);
-    let turn = DQuat::from_xyzw(x, y, z, w);
-    if turn.length_squared() > 0.0 { turn.normalize() } else { DQuat::IDENTITY }
-}
-
-/// How `force . (q v q* / |q|^2)` changes with the four numbers of q.
-fn by_turn(x: &[f32], hub: usize, v: DVec3, force: DVec3) -> [f64; 4] {
-    let [w, ux, uy, uz] = numbers(x, hub);
-    let u = DVec3::new(ux, uy, uz);
-    let square = (w * w + u.length_squared()).max(1e-12);
-    let turned = (w * w - u.length_squared()) * v + 2.0 * u.dot(v) * u + 2.0 * w * u.cross(v);
-    let value = force.dot(turned) / square;
-    let by_w = 2.0 * w * force.dot(v) + 2.0 * force.dot(u.cross(v));
-    let by_u =
-        -2.0 * u * force.dot(v) + 2.0 * (u.dot(v) * force + force.dot(u) * v) + 2.0 * w * v.cross(force);
-    let by_u = (by_u - 2.0 * value * u) / square;
-    [(by_w - 2.0 * value * w) / square, by_u.x, by_u.y, by_u.z]
-}
-
-fn add(out: &mut [f32], at: usize, by: &[f64]) {
-    for (out, by) in out.iter_mut().skip(at).zip(by) {
-        *out += *by as f32;
+        1..=3 => Place::Rigid(0),
+        12..=14 => Place::Rigid(1),
+        _ => Place::Free(FREE.iter().position(|free| *free == joint).unwrap_or(0)),
     }
 }

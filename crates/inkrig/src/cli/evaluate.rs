@@ -14,7 +14,9 @@ Examples:
   inkrig evaluate control --model model.safetensors --corpus corpus
       how exactly key poses and trajectories are met, in space and as a camera sees them, with and without guidance
   inkrig evaluate control --model model.safetensors --corpus corpus --windows 40 --json > control.json
-      the same of fewer clips, as JSON";
+      the same of fewer clips, as JSON
+  inkrig evaluate storyboard --corpus corpus
+      rough drawings of held-out clips as storyboards: what comes of them, with --exact off, soft and pin";
 
 /// Arguments of `inkrig evaluate`.
 #[derive(Debug, Args)]
@@ -33,6 +35,9 @@ pub enum EvaluateCommand {
     /// How well words are read
     #[command(after_help = evaluate_readers::EXAMPLES)]
     Word(EvaluateWordArgs),
+    /// How near motions of rough storyboards come to the clips that these were drawn of
+    #[command(after_help = EXAMPLES)]
+    Storyboard(EvaluateStoryboardArgs),
     /// How well clips survive the autoencoder, subject by subject
     #[command(after_help = EXAMPLES)]
     Reconstruction {
@@ -62,6 +67,35 @@ pub enum EvaluateCommand {
         #[arg(long, default_value_t = 0)]
         seed: u64,
     },
+}
+
+/// Arguments of `inkrig evaluate storyboard`.
+#[derive(Debug, Args)]
+pub struct EvaluateStoryboardArgs {
+    /// The corpus, made by inkrig data build
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub corpus: PathBuf,
+    /// The model file [default: the one that INKRIG_MODEL names, else the one that comes with inkrig]
+    #[arg(long, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
+    pub model: Option<PathBuf>,
+    /// Whose clips are drawn
+    #[arg(long, default_value = "test")]
+    pub split: SplitArg,
+    /// How many clips, spread over all
+    #[arg(long, default_value_t = 30)]
+    pub windows: usize,
+    /// Steps from noise to motion: ddim (50), or 1, 2 or 4 of a model that was distilled for few
+    #[arg(long)]
+    pub steps: Option<StepsArg>,
+    /// How many motions are made of a drawing, of which the best is taken
+    #[arg(long, value_name = "NUMBER", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=64))]
+    pub candidates: u16,
+    /// The motion is drawn to the lines at every so many steps, the last among them
+    #[arg(long, value_name = "STEPS", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub guide_every: u16,
+    /// Of drawings and noise
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
 }
 
 /// The model, and the clips that it is measured on.

@@ -24,7 +24,9 @@ pub use bake::{BakeArgs, BakeMode, Hold, Tolerance};
 pub use bench::{BenchAlignArgs, BenchArgs, BenchCommand};
 pub use convert::{ConvertArgs, ToArg};
 pub use data::{CorpusArgs, DataArgs, DataCommand};
-pub use evaluate::{EvaluateArgs, EvaluateCommand, EvaluateOnArgs, JointsArg, SplitArg};
+pub use evaluate::{
+    EvaluateArgs, EvaluateCommand, EvaluateOnArgs, EvaluateStoryboardArgs, JointsArg, SplitArg,
+};
 pub use evaluate_readers::{EvaluateSketchArgs, EvaluateWordArgs};
 pub use generate::{GenerateArgs, GroundArg, GuidanceArg, StartArg, StepsArg};
 pub use model::{ModelArgs, ModelCommand, ModelImportArgs, ModelInspectArgs, ModelPackArgs, TextArg};

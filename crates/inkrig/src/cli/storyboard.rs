@@ -13,6 +13,9 @@ pub(super) const EXAMPLES: &str = r#"Examples:
   inkrig storyboard kick.json --exact pin --seed 3 --report kick-report.json -o kick.glb
       on the lines that were drawn, another motion than with seed 0, and all that is known of it
 
+  inkrig storyboard kick.json --onto hero.glb -o hero-kick.glb
+      on your own character, with a certificate of how exact it is there
+
 docs/storyboard.md says how storyboards are drawn and written."#;
 
 /// Arguments of `inkrig storyboard`.
@@ -24,6 +27,9 @@ pub struct StoryboardArgs {
     /// The file to write: .bvh, .glb, .fbx, .usda, .vrma
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub out: PathBuf,
+    /// A character's file, which the animation is put on
+    #[arg(long, value_name = "CHARACTER", value_hint = ValueHint::FilePath)]
+    pub onto: Option<PathBuf>,
     /// How drawn lines and poses are met: off (only the word counts), soft (the motion is drawn to them while it is made),
     /// pin (and then moved until it meets them)
     #[arg(long, default_value = "soft")]

@@ -1,5 +1,6 @@
 //! `inkrig demo`: the main job on our own samples, with nothing else needed.
 
+use super::demo_board::{RESULTS, make_board, sample};
 use super::demo_files::DemoFiles;
 use crate::cli::DemoArgs;
 use crate::console::Console;
@@ -19,13 +20,13 @@ const SCENES: [(&str, &str); 3] = [("person", "spiral"), ("quadruped", "eight"),
 
 pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<(), CliError> {
     let mut files = DemoFiles::open(&args.folder, args.force)?;
-    let samples = || inkrig_samples::motions().iter().chain(inkrig_samples::curves());
+    let samples = || inkrig_samples::motions().iter().chain(inkrig_samples::curves()).chain(sample());
     let scenes: Vec<Scene> = SCENES.iter().filter_map(|(motion, curve)| Scene::of(motion, curve)).collect();
     // All of them before the first is written.
     for sample in samples() {
         files.check(sample.file_name, Some(sample.bytes))?;
     }
-    for name in scenes.iter().flat_map(Scene::results) {
+    for name in scenes.iter().flat_map(Scene::results).chain(RESULTS.map(String::from)) {
         files.check(&name, None)?;
     }
     for sample in samples() {
@@ -34,6 +35,9 @@ pub(super) fn run(args: &DemoArgs, console: &Console) -> Result<(), CliError> {
     let mut facts = Vec::new();
     for scene in &scenes {
         facts.push(scene.make(&mut files, console)?);
+    }
+    if let Some(board) = sample() {
+        make_board(board, &mut files, console)?;
     }
     files.save()?;
     if let Some(first) = scenes.first() {

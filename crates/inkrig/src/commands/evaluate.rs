@@ -1,6 +1,7 @@
 //! `inkrig evaluate`: how good a model is, on clips that it never saw.
 
 mod readers;
+mod storyboard;
 
 use super::generate::text;
 use crate::cli::{EvaluateArgs, EvaluateCommand, EvaluateOnArgs, JointsArg, StepsArg};
@@ -24,6 +25,7 @@ pub(super) fn run(args: &EvaluateArgs, console: &Console) -> Result<(), CliError
     match &args.command {
         EvaluateCommand::Sketch(args) => readers::sketch(args, console),
         EvaluateCommand::Word(args) => readers::word(args, console),
+        EvaluateCommand::Storyboard(args) => storyboard::run(args, console),
         EvaluateCommand::Reconstruction { on } => {
             let model = Opened::of(&on.model)?;
             let vae =

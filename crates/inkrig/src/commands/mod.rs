@@ -7,6 +7,7 @@ pub(crate) mod control;
 mod convert;
 mod data;
 mod demo;
+mod demo_board;
 mod demo_files;
 mod evaluate;
 mod generate;

@@ -2,6 +2,7 @@
 
 mod boards;
 mod hand;
+mod page;
 mod pose;
 
 use hand::{Hand, UNITS, in_time};
@@ -10,18 +11,21 @@ use inkrig_sketch::SketchError;
 use inkrig_sketch::storyboard::{Frame, FrameCamera, Storyboard, Stroke, Trajectory, write_storyboard};
 use pose::{Placed, Pose, seen};
 
+pub use page::{COLOURS, Page};
+
 /// Radius of the head, metres.
 const HEAD: f64 = 0.1;
 
-/// File names and text of all storyboards.
+/// File names and bytes of all storyboards.
 ///
 /// # Errors
 /// Never in practice: when a storyboard is refused.
-pub fn files() -> Result<Vec<(String, String)>, SketchError> {
+pub fn files() -> Result<Vec<(String, Vec<u8>)>, SketchError> {
     let mut files = Vec::new();
     for (name, board) in boards::all() {
-        files.push((format!("{name}.json"), write_storyboard(&board)?));
-        files.push((format!("{name}.svg"), to_svg(&board)));
+        files.push((format!("{name}.json"), write_storyboard(&board)?.into_bytes()));
+        files.push((format!("{name}.svg"), to_svg(&board).into_bytes()));
+        files.push((format!("{name}.png"), Page::of(&board).png()));
     }
     Ok(files)
 }

@@ -134,7 +134,7 @@ pub(in crate::commands) struct Model {
     pub(in crate::commands) header: ModelHeader,
     configuration: Configuration,
     pub(in crate::commands) features: Statistics,
-    places: Statistics,
+    pub(in crate::commands) places: Statistics,
     pub(in crate::commands) body: Joints,
     networks: Option<Networks>,
 }

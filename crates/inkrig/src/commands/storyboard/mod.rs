@@ -1,37 +1,33 @@
 //! `inkrig storyboard`: drawn frames become one animation.
 
+mod making;
+mod onto;
 mod read;
 mod record;
 mod sheet;
 
-use super::generate::{HUMANOID, Model, about, named_model, sampling};
-use crate::cli::{BlendArg, ExactArg, StoryboardArgs};
+use super::generate::{HUMANOID, Model, named_model};
+use crate::cli::StoryboardArgs;
 use crate::console::Console;
 use crate::error::CliError;
 use crate::printable;
 use crate::provenance::{Facts, Run};
-use crate::{load, names, readers, results};
+use crate::{load, names, results};
 use inkrig_formats::{ExportOptions, Format, HumanBone, write_motion};
-use inkrig_generate::blending::BlendOptions;
-use inkrig_generate::guidance::SettleOptions;
-use inkrig_generate::sampling::{Sampler, SamplingOptions};
-use inkrig_generate::text::TextEncoder;
-use inkrig_motion::Clip;
-use inkrig_motion::humanml::{FRAME_RATE, skeleton, to_clip};
-use inkrig_sketch::storyboard::Storyboard;
-use inkrig_storyboard::{
-    Blender, Generated, Goal, Joined, Maker, MakerOptions, MeetOptions, Met, StoryboardError, Understood,
-    meet, read_figure, sequence, understand,
-};
+use inkrig_motion::humanml::{FRAME_RATE, to_clip};
+use inkrig_storyboard::Generated;
+use onto::onto;
 use record::Record;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+
+pub(super) use making::{Made, Settings, frames, make};
+pub(super) use sheet::png;
 
 pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
     let format = results::format_of(&args.out)?;
     let named = named_model(args.model.as_ref());
     let more = || [&args.report, &args.sheet].into_iter().flatten().map(PathBuf::as_path);
-    let inputs = [Some(&args.board), named.as_ref()].into_iter().flatten();
+    let inputs = [Some(&args.board), named.as_ref(), args.onto.as_ref()].into_iter().flatten();
     names::results_differ(inputs.map(PathBuf::as_path), std::iter::once(args.out.as_path()).chain(more()))?;
     run.check_motion(&args.out, &args.sidecar)?;
     more().try_for_each(|path| run.check(path))?;
@@ -48,9 +44,9 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     let encoder = model.read(args.text_model.as_deref())?;
     drop(stage);
     let stage = console.stage("reading the drawings");
-    let understood = frames(&board, &model, args)?;
+    let understood = frames(&board, &model, &args.board)?;
     drop(stage);
-    let made = make(&understood, &model, encoder.as_ref(), args, console)?;
+    let made = make(&understood, &model, encoder.as_ref(), &Settings::of(args), &args.board, console)?;
 
     let mut warnings: Vec<String> = understood
         .iter()
@@ -63,18 +59,29 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
         humanoid: HUMANOID.map(|(name, joint)| HumanBone { name, joint }).to_vec(),
         ..ExportOptions::default()
     };
-    let written = write_motion(&made.clip, format, &export(name))?;
+    let moved = match &args.onto {
+        Some(character) => {
+            let _stage = console.stage("carrying the motion over");
+            Some(onto(&made.animation.clip, character, console, &mut warnings)?)
+        }
+        None => None,
+    };
+    let written = match &moved {
+        Some(moved) => write_motion(&moved.clip, format, &moved.export(format, name))?,
+        None => write_motion(&made.animation.clip, format, &export(name))?,
+    };
     warnings.extend(load::warnings(&written.findings, &args.out));
     let mut files: Vec<(&Path, Vec<u8>)> = Vec::new();
     for ((path, clip), frame) in clips.iter().zip(&made.clips).zip(&understood) {
         files.push((path, clip_bytes(clip, &made, format, &export(&frame.plan.word))?));
     }
-    let record = Record::of(args, &model, &understood, &made, warnings);
+    let certificate = moved.map(|moved| moved.certificate);
+    let record = Record::of(args, &model, (&understood, &made), certificate, warnings);
     if let Some(path) = &args.report {
         files.push((path, serde_json::to_vec_pretty(&record)?));
     }
     if let Some(path) = &args.sheet {
-        files.push((path, sheet::png(&board, &understood, &made)?));
+        files.push((path, png(&board, &understood, &made)?));
     }
     for warning in &record.warnings {
         console.warn(warning);
@@ -98,134 +105,6 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     console.result(&record)
 }
 
-/// What came of all frames.
-pub(super) struct Made {
-    /// The whole.
-    pub(super) clip: Clip,
-    /// Of each frame, before they were joined.
-    pub(super) clips: Vec<Generated>,
-    pub(super) joined: Joined,
-    /// What the frames ask of the whole.
-    pub(super) goals: Vec<Vec<Goal>>,
-    /// Where goals were met after sampling.
-    pub(super) met: Option<Met>,
-}
-
-fn wrong(path: &Path) -> impl Fn(StoryboardError) -> CliError + '_ {
-    |cause| CliError::Storyboard { path: path.into(), cause: Box::new(cause) }
-}
-
-/// Reads what is drawn.
-fn frames(board: &Storyboard, model: &Model, args: &StoryboardArgs) -> Result<Vec<Understood>, CliError> {
-    let wrong = wrong(&args.board);
-    let reader = readers::sketch(None)?;
-    let lettered = |board: &Storyboard| {
-        board.frames.iter().any(|frame| frame.word.trim().is_empty() && !frame.lettering.is_empty())
-    };
-    let words = if lettered(board) { Some(readers::word(None)?) } else { None };
-    let mut understood = Vec::new();
-    for (at, frame) in board.frames.iter().enumerate() {
-        let number = at + 1;
-        let figure = read_figure(frame, number, &reader).map_err(&wrong)?;
-        let read = understand(frame, number, figure, &model.body, words.as_ref()).map_err(&wrong)?;
-        let most = model.header.sizes.most_frames();
-        if read.plan.frames > most {
-            return Err(wrong(StoryboardError::Frame {
-                frame: number,
-                problem: format!(
-                    "it lasts {} s, but the model makes at most {} s",
-                    printable::fixed(read.plan.frames as f64 / FRAME_RATE, 1),
-                    printable::fixed(most as f64 / FRAME_RATE, 1)
-                ),
-                todo: "Make it shorter, or two frames of it".into(),
-            }));
-        }
-        understood.push(read);
-    }
-    Ok(understood)
-}
-
-fn make(
-    understood: &[Understood],
-    model: &Model,
-    encoder: &dyn TextEncoder,
-    args: &StoryboardArgs,
-    console: &Console,
-) -> Result<Made, CliError> {
-    let wrong = wrong(&args.board);
-    let usual = sampling(&model.header, args.steps, &model.path)?;
-    let options = MakerOptions {
-        sampling: SamplingOptions {
-            text_weight: args.text_weight.map_or(usual.text_weight, |weight| weight as f32),
-            guidance: usual.guidance.clone().filter(|_| args.exact != ExactArg::Off),
-            guide_every: usize::from(args.guide_every),
-            settle: Some(SettleOptions::default()),
-            ..usual
-        },
-        candidates: usize::from(args.candidates),
-        seed: args.seed,
-    };
-    let no_text = encoder.encode("").map_err(|cause| about(&model.path, cause))?;
-    let text = |number: usize, word: &str| {
-        let description = if word.is_empty() { String::new() } else { model.description(word) };
-        let failed = |cause| wrong(StoryboardError::Generate { frame: number, cause: Box::new(cause) });
-        encoder.encode(&description).map_err(failed)
-    };
-    let texts: Vec<Vec<f32>> = understood
-        .iter()
-        .enumerate()
-        .map(|(at, frame)| text(at + 1, &frame.plan.word))
-        .collect::<Result<_, _>>()?;
-    let networks = model.networks()?;
-    let maker =
-        Maker { networks, features: &model.features, no_text: &no_text, usual_frames: model.usual_frames() };
-    let mut clips = Vec::new();
-    for (at, (frame, text)) in understood.iter().zip(&texts).enumerate() {
-        let _stage = console.stage(format!("frame {} of {}", at + 1, understood.len()));
-        clips.push(maker.clip(at + 1, &frame.plan, text, &options).map_err(&wrong)?);
-    }
-    let stage = console.stage("joining");
-    let sampler = Sampler { networks, features: &model.features, no_text: &no_text };
-    let both: Vec<Vec<f32>> = texts
-        .windows(2)
-        .map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| 0.5 * (a + b)).collect())
-        .collect();
-    let blending = BlendOptions {
-        text_weight: options.sampling.text_weight,
-        guide_every: 10,
-        ..BlendOptions::default()
-    };
-    let blender = Blender { sampler: &sampler, texts: &both, options: &blending };
-    let joined = sequence(&clips, Some(blender).filter(|_| args.blend == BlendArg::Model)).map_err(&wrong)?;
-    let rig = Arc::new(skeleton(&model.body, &joined.motion)?);
-    let mut clip = to_clip(&joined.motion, &rig, FRAME_RATE)?;
-    let goals = goals(&clips, &joined);
-    drop(stage);
-    let mut met = None;
-    if args.exact == ExactArg::Pin {
-        let _stage = console.stage("meeting the lines");
-        let all: Vec<Goal> = goals.iter().flatten().copied().collect();
-        let done = meet(&clip, &all, &MeetOptions::default());
-        clip = to_clip(&done.motion, &rig, FRAME_RATE)?;
-        met = Some(done);
-    }
-    Ok(Made { clip, clips, joined, goals, met })
-}
-
-/// What every frame asks of the whole.
-fn goals(clips: &[Generated], joined: &Joined) -> Vec<Vec<Goal>> {
-    let each = clips.iter().zip(&joined.starts).zip(&joined.placements);
-    each.map(|((clip, start), placement)| {
-        let plan = &clip.plan;
-        let goal = |ask: &inkrig_generate::guidance::Ask| {
-            let at = ask.place.truncate();
-            Goal::placed(start + ask.frame, ask.joint, at, &plan.camera, *placement, true)
-        };
-        plan.asks().iter().map(goal).collect()
-    })
-    .collect()
-}
-
 /// A frame's own motion as a file.
 fn clip_bytes(
     clip: &Generated,
@@ -233,7 +112,7 @@ fn clip_bytes(
     format: Format,
     export: &ExportOptions,
 ) -> Result<Vec<u8>, CliError> {
-    let own = to_clip(&clip.motion, made.clip.skeleton(), FRAME_RATE)?;
+    let own = to_clip(&clip.motion, made.animation.clip.skeleton(), FRAME_RATE)?;
     Ok(write_motion(&own, format, export)?.bytes)
 }
 

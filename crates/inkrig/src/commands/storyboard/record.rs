@@ -2,6 +2,7 @@
 
 use super::Made;
 use crate::cli::{ExactArg, StoryboardArgs};
+use crate::commands::certificate::CertificateRecord;
 use crate::commands::generate::Model;
 use crate::printable::{self, counted, fixed, json_path};
 use crate::provenance::PROGRAM;
@@ -10,7 +11,7 @@ use inkrig_generate::measures::{jerk, peak_jerk, skating};
 use inkrig_motion::humanml::{Joints, NAMES};
 use inkrig_motion::{Clip, kinematics};
 use inkrig_sketch::storyboard::End;
-use inkrig_storyboard::{Understood, misses};
+use inkrig_storyboard::{Animation, Understood, misses};
 use serde::Serialize;
 
 /// What `--report` and `--json` hold; the names are stable. Lengths are metres.
@@ -28,12 +29,14 @@ pub(super) struct Record {
     frame_rate: f64,
     frames: usize,
     parts: Vec<Part>,
-    /// How often the motion was looked at to meet the lines after sampling.
+    /// Steps that were taken to meet the lines after sampling.
     meeting: Option<usize>,
     /// The share of moments in which a standing foot slides.
     skating: f64,
     /// The largest third difference of a joint's place, metres per frame^3.
     peak_jerk: f64,
+    /// How exact it is on a character, where one was given.
+    certificate: Option<CertificateRecord>,
     pub(super) warnings: Vec<String>,
 }
 
@@ -55,6 +58,8 @@ struct Part {
     sampled: [f32; 2],
     /// The same in the animation.
     result: [f32; 2],
+    /// How far joints of the drawn pose were moved at most to be those of a person, metres.
+    proportioned: f32,
 }
 
 #[derive(Serialize)]
@@ -80,16 +85,17 @@ impl Record {
     pub(super) fn of(
         args: &StoryboardArgs,
         model: &Model,
-        understood: &[Understood],
-        made: &Made,
+        (understood, made): (&[Understood], &Made),
+        certificate: Option<CertificateRecord>,
         mut warnings: Vec<String>,
     ) -> Self {
-        let motion = poses(&made.clip);
+        let Animation { clip: whole, joined, goals, met, proportioned, .. } = &made.animation;
+        let motion = poses(whole);
         let name = |joint: usize| NAMES.get(joint).copied().unwrap_or_default();
         let mut parts = Vec::new();
         for (at, frame) in understood.iter().enumerate() {
             let (Some(clip), Some(start), Some(goals)) =
-                (made.clips.get(at), made.joined.starts.get(at), made.goals.get(at))
+                (made.clips.get(at), joined.starts.get(at), goals.get(at))
             else {
                 continue;
             };
@@ -124,6 +130,7 @@ impl Record {
                 evaluations: clip.evaluations,
                 sampled: [clip.error, clip.worst],
                 result,
+                proportioned: proportioned.get(at).copied().unwrap_or(0.0),
             });
         }
         Self {
@@ -139,13 +146,14 @@ impl Record {
                 ExactArg::Pin => "pin",
             },
             output: json_path(&args.out),
-            seconds: seconds(&made.clip),
-            frame_rate: made.clip.frame_rate(),
-            frames: made.clip.frames(),
+            seconds: seconds(whole),
+            frame_rate: whole.frame_rate(),
+            frames: whole.frames(),
             parts,
-            meeting: made.met.as_ref().map(|met| met.evaluations),
+            meeting: met.as_ref().map(|met| met.steps),
             skating: skating(&motion).ratio,
             peak_jerk: peak_jerk(&jerk(&motion)),
+            certificate,
             warnings,
         }
     }
@@ -170,6 +178,10 @@ impl Record {
             if part.key_frame.is_some() || !ways.is_empty() {
                 text += &format!("; {mean} cm off the drawing, {most} at most");
             }
+        }
+        if let Some(certificate) = &self.certificate {
+            text += "\n";
+            text += &certificate.text();
         }
         text
     }

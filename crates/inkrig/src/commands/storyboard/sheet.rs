@@ -7,7 +7,7 @@ use inkrig_motion::glam::{Vec2, Vec3};
 use inkrig_motion::humanml::{JOINTS, Joints, PARENTS};
 use inkrig_motion::kinematics;
 use inkrig_sketch::storyboard::{Frame, Storyboard, Stroke as Line};
-use inkrig_storyboard::Understood;
+use inkrig_storyboard::{Animation, Source, Understood};
 use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
 /// Pixels of a cell, and poses in a row.
@@ -36,21 +36,22 @@ pub(super) fn png(board: &Storyboard, understood: &[Understood], made: &Made) ->
     let failed = || SheetError::Png(format!("{width} x {height} pixels"));
     let mut page = Page { pixels: Pixmap::new(width, height.max(1)).ok_or_else(failed)? };
     page.pixels.fill(Color::WHITE);
-    let motion = kinematics::positions(&made.clip);
+    let motion = kinematics::positions(&made.animation.clip);
     let pose = |frame: usize| -> Option<Joints> {
-        if frame < made.clip.frames() { motion.frame(frame).try_into().ok() } else { None }
+        if frame < made.animation.clip.frames() { motion.frame(frame).try_into().ok() } else { None }
     };
     for (row, (frame, read)) in board.frames.iter().zip(understood).take(rows).enumerate() {
         let top = CELL[1] * row as f32;
         page.drawing(frame, read, [0.0, top]);
-        let (Some(clip), Some(start), Some((turn, shift))) =
-            (made.clips.get(row), made.joined.starts.get(row), made.joined.placements.get(row))
+        let Animation { joined, goals, .. } = &made.animation;
+        let (Some(clip), Some(start), Some((turn, _)), Some(goals)) =
+            (made.clips.get(row), joined.starts.get(row), joined.placements.get(row), goals.get(row))
         else {
             continue;
         };
         let plan = &clip.plan;
         let back = turn.inverse();
-        let seen = |place: Vec3| plan.camera.project(back * (place - *shift));
+        let seen = |place: Vec3| plan.camera.project(back * place);
         for cell in 0..POSES {
             let at = cell * plan.frames.saturating_sub(1) / (POSES - 1);
             let Some(pose) = pose(start + at) else { continue };
@@ -58,18 +59,18 @@ pub(super) fn png(board: &Storyboard, understood: &[Understood], made: &Made) ->
             let under = seen(Vec3::new(pose[0].x, 0.0, pose[0].z));
             let view = View { middle: under + Vec2::Y * 0.8, corner: [CELL[0] * (cell + 1) as f32, top] };
             page.floor(&view, under.y);
-            for (_, first, places) in &plan.ways {
-                page.line(places.iter().map(|place| view.pixel(*place)), DRAWN, 2.0, 0.9);
-                if let Some(place) = at.checked_sub(*first).and_then(|now| places.get(now)) {
-                    page.dot(view.pixel(*place), 4.5, DRAWN, 1.0);
-                }
+            for (joint, ..) in &plan.ways {
+                let own = || goals.iter().filter(|goal| goal.source == Source::Way && goal.joint == *joint);
+                page.line(own().map(|goal| view.pixel(goal.at)), DRAWN, 2.0, 0.9);
+                own()
+                    .filter(|goal| goal.frame == start + at)
+                    .for_each(|goal| page.dot(view.pixel(goal.at), 4.5, DRAWN, 1.0));
             }
             page.body(&view, &flat, 1.0);
-            if let Some((frame, joints)) = &plan.keypose
-                && frame.abs_diff(at) * 2 * (POSES - 1) < plan.frames
-            {
-                joints.iter().for_each(|(_, place, _)| page.dot(view.pixel(*place), 3.0, KEY, 0.9));
-            }
+            let drawn = goals.iter().filter(|goal| goal.source != Source::Way);
+            drawn
+                .filter(|goal| goal.frame.abs_diff(start + at) * 2 * (POSES - 1) < plan.frames)
+                .for_each(|goal| page.dot(view.pixel(goal.at), 3.0, KEY, 0.9));
         }
     }
     page.pixels.encode_png().map_err(|error| SheetError::Png(error.to_string()))
