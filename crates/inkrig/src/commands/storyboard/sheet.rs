@@ -30,7 +30,11 @@ const KEY: Rgb = [225, 60, 60];
 const DRAWN: Rgb = [40, 160, 70];
 
 /// Draws the sheet as PNG.
-pub(super) fn png(board: &Storyboard, understood: &[Understood], made: &Made) -> Result<Vec<u8>, SheetError> {
+pub(in crate::commands) fn png(
+    board: &Storyboard,
+    understood: &[Understood],
+    made: &Made,
+) -> Result<Vec<u8>, SheetError> {
     let rows = understood.len().min(MOST);
     let (width, height) = ((CELL[0] * (POSES + 1) as f32) as u32, (CELL[1] * rows as f32) as u32);
     let failed = || SheetError::Png(format!("{width} x {height} pixels"));
