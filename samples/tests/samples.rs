@@ -76,20 +76,13 @@ fn board_difference(a: &[u8], b: &[u8]) -> f64 {
 #[test]
 fn the_stored_files_are_what_the_code_makes() {
     let made = make::make_all().unwrap();
-    assert_eq!(made.len(), motions().len() + curves().len() + 3 * storyboards().len());
+    assert_eq!(made.len(), motions().len() + curves().len() + 2 * storyboards().len());
     for (path, bytes) in &made {
         let (folder, file) = path.split_once('/').unwrap();
         if file.ends_with(".svg") && folder == "storyboards" {
             let stored = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
             let stored = std::fs::read_to_string(stored).unwrap();
             assert_eq!(stored.lines().count(), String::from_utf8_lossy(bytes).lines().count(), "{path}");
-            continue;
-        }
-        if file.ends_with(".png") {
-            // Pixels at the edge of a line may fall to either side.
-            let stored = std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap();
-            assert_eq!(stored[..33], bytes[..33], "{path}: size and kind");
-            assert!(stored.len().abs_diff(bytes.len()) < 200, "{path}: {} {}", stored.len(), bytes.len());
             continue;
         }
         let sample = find(file).unwrap();

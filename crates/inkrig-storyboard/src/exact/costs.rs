@@ -15,7 +15,7 @@ const STAND: f64 = 2_000.0;
 const HEIGHT: f64 = 500.0;
 const STAY: f64 = 20.0;
 /// Joints below the floor.
-const FLOOR: f64 = 500.0;
+const FLOOR: f64 = 5_000.0;
 /// What joints of a drawn pose weigh against other goals.
 const POSE: f64 = 0.1;
 /// Joints that do not go through the floor, and how high they are at least, metres.

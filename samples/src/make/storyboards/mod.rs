@@ -25,7 +25,6 @@ pub fn files() -> Result<Vec<(String, Vec<u8>)>, SketchError> {
     for (name, board) in boards::all() {
         files.push((format!("{name}.json"), write_storyboard(&board)?.into_bytes()));
         files.push((format!("{name}.svg"), to_svg(&board).into_bytes()));
-        files.push((format!("{name}.png"), Page::of(&board).png()));
     }
     Ok(files)
 }

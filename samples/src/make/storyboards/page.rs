@@ -70,11 +70,12 @@ impl Page {
             [left as f64 + 0.5 * PANEL[0] as f64 + across, top as f64 + 0.5 * PANEL[1] as f64 + down]
         };
         let ways = frame.trajectories.iter().map(|way| &way.points);
+        // Trajectories over all else: they are one line each.
         let lines: [(Kind, Vec<&Stroke>); 4] = [
             (Kind::Scene, frame.scene.iter().collect()),
+            (Kind::Body, frame.body.iter().collect()),
             (Kind::Speed, frame.speed_lines.iter().collect()),
             (Kind::Trajectory, ways.collect()),
-            (Kind::Body, frame.body.iter().collect()),
         ];
         for (kind, strokes) in lines {
             for stroke in strokes {
