@@ -79,8 +79,8 @@ impl Body {
     /// The bone that ends at each joint; at 0 the root's place.
     pub(super) fn bones(&self, stance: &Stance) -> Places {
         let mut bones = [stance.root; JOINTS];
-        for joint in 1..JOINTS {
-            bones[joint] = match place(joint) {
+        for (joint, bone) in bones.iter_mut().enumerate().skip(1) {
+            *bone = match place(joint) {
                 Place::Rigid(hub) => stance.turns[hub] * self.rest[joint],
                 Place::Free(at) => stance.ways[at] * self.rest[joint].length(),
             };
@@ -137,7 +137,7 @@ pub(super) fn places(bones: &Places) -> Places {
 }
 
 pub(super) fn single(places: &Places) -> Joints {
-    places.map(|place| place.as_vec3())
+    places.map(DVec3::as_vec3)
 }
 
 /// A joint and those above it, the root last.

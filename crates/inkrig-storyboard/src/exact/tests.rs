@@ -54,9 +54,12 @@ fn circle(clip: &Clip, joint: usize, radius: f32) -> Vec<Goal> {
         .collect()
 }
 
-/// Residuals as they are told, with all that they go with.
+/// A residual: its weight, its value, and how it changes with what.
+type Row = (f64, f64, Vec<(usize, f64)>);
+
+/// Residuals as they are told.
 #[derive(Default)]
-struct Told(Vec<(f64, f64, Vec<(usize, f64)>)>);
+struct Told(Vec<Row>);
 
 impl Listener for Told {
     fn row(&mut self, weight: f64, residual: f64, by: &[(usize, f64)]) {
