@@ -10,7 +10,7 @@ use std::path::PathBuf;
 fn a_storyboard_goes_onto_a_character_with_a_certificate() {
     let Some(bytes) = reference("creatures/human-model.glb") else { return };
     let model = &*MODEL;
-    let read: Vec<_> = board("walk-and-wave").frames.iter().map(|frame| understood(frame).unwrap()).collect();
+    let read: Vec<_> = board("kick").frames.iter().map(|frame| understood(frame).unwrap()).collect();
     let clips: Vec<_> =
         read.iter().enumerate().map(|(at, read)| generated(read, at + 1, &model.sampling, true)).collect();
     let made = animation(&clips, None, &model.body, &Exact::Pin(MeetOptions::default())).unwrap();

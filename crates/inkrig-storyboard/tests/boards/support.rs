@@ -2,6 +2,7 @@
 
 use inkrig_generate::checkpoint::ModelFile;
 use inkrig_generate::configuration::Configuration;
+use inkrig_generate::guidance::SettleOptions;
 use inkrig_generate::readers::file::read;
 use inkrig_generate::readers::sketch::SketchReader;
 use inkrig_generate::sampling::{Networks, SamplingOptions};
@@ -41,6 +42,8 @@ pub(crate) static MODEL: LazyLock<Model> = LazyLock::new(|| {
             text_weight: header.text_weight.unwrap(),
             semantics: header.semantics,
             guide_every: 10,
+            // As the program does it.
+            settle: Some(SettleOptions::default()),
             ..usual
         },
     }
