@@ -63,9 +63,16 @@ fn a_reader_of_sketches_learns_and_a_stopped_run_ends_the_same() {
     let last = |folder: &Path| std::fs::read(folder.join("last.safetensors")).unwrap();
     assert!(last(&whole) == last(&parts), "the same weights to the bit");
 
+    // Of weights that are there it begins where they are.
+    let from = Some(whole.join("last.safetensors"));
+    let one = Pace { steps: 1, measure_every: 1, ..pace() };
+    let further = SketchSettings { pace: one, from, ..SketchSettings::default() };
+    let go_on = &mut |_, _, _: Option<&_>| ControlFlow::Continue(());
+    let (first, _) = train_sketch(&corpus, &desk.path().join("further"), &further, 2, go_on).unwrap();
+    assert!(first[0].loss < 0.9 * rows[0].loss, "{first:?}");
+
     // More steps go on; other settings are another run; a broken checkpoint is said.
     let longer = SketchSettings { pace: Pace { steps: 26, ..pace() }, ..settings.clone() };
-    let go_on = &mut |_, _, _: Option<&_>| ControlFlow::Continue(());
     assert!(train_sketch(&corpus, &parts, &longer, 2, go_on).unwrap().1);
     let other = SketchSettings { turned: 0.5, ..settings.clone() };
     let error = train_sketch(&corpus, &parts, &other, 2, go_on).unwrap_err().to_string();

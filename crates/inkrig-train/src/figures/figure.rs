@@ -12,11 +12,13 @@ use inkrig_motion::glam::{Vec2, Vec3};
 pub struct Drawn {
     /// Strokes and areas in their order; metres, y up.
     pub marks: Vec<Mark>,
-    /// Where the key points are.
+    /// Where the key points are in what is drawn: at the end of a line that runs over, on the bend of a limb that strays or curves.
     pub key_points: [[f32; 2]; KEY_POINTS],
+    /// Where the pose has them.
+    pub captured: [[f32; 2]; KEY_POINTS],
     /// Whether they can be seen in the drawing.
     pub drawn: [bool; KEY_POINTS],
-    /// Neck to pelvis, metres.
+    /// Neck to pelvis in space, metres.
     pub torso: f32,
 }
 
@@ -25,6 +27,7 @@ pub fn draw(pose: &Seen, style: &Style, noise: &mut Noise) -> Drawn {
     let pose = style.proportions.apply(pose);
     let mut figure = Figure {
         at: pose.map(Vec3::truncate),
+        shown: pose.map(Vec3::truncate),
         depth: pose.map(|joint| joint.z),
         parts: Vec::new(),
         missing: [false; 22],
@@ -42,6 +45,8 @@ pub fn draw(pose: &Seen, style: &Style, noise: &mut Noise) -> Drawn {
 
 struct Figure<'a> {
     at: [Vec2; 22],
+    /// Where the drawing has them.
+    shown: [Vec2; 22],
     depth: [f32; 22],
     parts: Vec<(f32, Vec<Mark>)>,
     missing: [bool; 22],
@@ -75,11 +80,12 @@ impl Figure<'_> {
         }
     }
 
-    fn part(&mut self, joints: &[usize], draw: impl FnOnce(&mut Pen<'_>, &mut Vec<Mark>)) {
+    fn part<T>(&mut self, joints: &[usize], draw: impl FnOnce(&mut Pen<'_>, &mut Vec<Mark>) -> T) -> T {
         let depth = joints.iter().map(|&joint| self.depth[joint]).sum::<f32>() / joints.len().max(1) as f32;
         let mut marks = Vec::new();
-        draw(&mut self.pen, &mut marks);
+        let said = draw(&mut self.pen, &mut marks);
         self.parts.push((depth, marks));
+        said
     }
 
     /// Where the arms' line meets the spine.
@@ -98,7 +104,9 @@ impl Figure<'_> {
         let spine = smooth(&[at[0], at[3], at[6], at[9], at[12]], false);
         let more = 1.0 + self.pen.noise.between(0.0, 0.35);
         match torso {
-            Torso::Line => self.part(&[0, 9], |pen, marks| pen.line(&spine, marks)),
+            Torso::Line => {
+                self.part(&[0, 9], |pen, marks| pen.line(&spine, marks));
+            }
             Torso::Ellipse => {
                 let (middle, height) = (at[0].lerp(at[12], 0.5), 0.5 * (at[12] - at[0]).length() + 0.03);
                 let around = ellipse(middle, up, height.max(0.08), chest * 0.85 * more);
@@ -274,13 +282,14 @@ impl Figure<'_> {
         let (from, to) = (self.at[ankle], self.at[toes]);
         let wedge = self.style().feet == Feet::Wedge;
         let capsules = self.style().limbs == Limbs::Capsules;
-        self.part(&[ankle, toes], |pen, marks| {
+        self.shown[toes] = self.part(&[ankle, toes], |pen, marks| {
             if wedge || capsules && pen.noise.happens(0.5) {
                 let size = pen.noise.between(0.02, 0.045);
                 let around = capsule(from, to, size * 1.3, size * 0.8);
                 pen.outline(&around, marks);
+                to
             } else {
-                pen.line(&[from, to], marks);
+                pen.line(&[from, to], marks).last().copied().unwrap_or(to)
             }
         });
     }
@@ -308,14 +317,12 @@ impl Figure<'_> {
             }
             kind => {
                 let whole: Vec<Vec2> = begin.into_iter().chain([a, b]).chain((!lower).then_some(c)).collect();
-                self.part(&joints, |pen, marks| match kind {
-                    Limbs::Curve => {
-                        let rounded = rounded(&whole);
-                        pen.line(&rounded, marks);
-                    }
-                    Limbs::Segments => whole.windows(2).for_each(|bone| pen.line(bone, marks)),
+                let shown = self.part(&joints, |pen, marks| match kind {
+                    Limbs::Curve => corners(&pen.line(&rounded(&whole), marks)),
+                    Limbs::Segments => segments(pen, &whole, marks),
                     _ => pen.line(&whole, marks),
                 });
+                self.show(joints, &shown[usize::from(begin.is_some())..], lower);
             }
         }
         if balls {
@@ -326,17 +333,50 @@ impl Figure<'_> {
         }
     }
 
+    /// A limb's elbow or knee is where its line bends, its end where the line ends, unless a hand or a foot says where that is.
+    fn show(&mut self, [_, middle, end]: [usize; 3], shown: &[Vec2], lower: bool) {
+        let held = match end {
+            20 | 21 => self.style().hands != Hands::None,
+            _ => !self.missing[end + 3],
+        };
+        if let Some(at) = shown.get(1) {
+            self.shown[middle] = *at;
+        }
+        if let Some(at) = shown.get(2).filter(|_| !lower && !held) {
+            self.shown[end] = *at;
+        }
+    }
+
     fn finish(mut self) -> Drawn {
         // Far parts first; among equals in the order of drawing.
         self.parts.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let at = JOINT_OF_KEY_POINT.map(|joint| self.at[joint].to_array());
+        let spine = self.at[12] - self.at[0];
         Drawn {
             marks: self.parts.into_iter().flat_map(|(_, marks)| marks).collect(),
-            key_points: at,
+            key_points: JOINT_OF_KEY_POINT.map(|joint| self.shown[joint].to_array()),
+            captured: JOINT_OF_KEY_POINT.map(|joint| self.at[joint].to_array()),
             drawn: JOINT_OF_KEY_POINT.map(|joint| !self.missing[joint]),
-            torso: (self.at[12] - self.at[0]).length(),
+            torso: spine.extend(self.depth[12] - self.depth[0]).length(),
         }
     }
+}
+
+/// A stroke for each bone. Where two meet they cross, so that is where the joint is seen, however far they run over.
+fn segments(pen: &mut Pen<'_>, way: &[Vec2], marks: &mut Vec<Mark>) -> Vec<Vec2> {
+    let mut shown = way.to_vec();
+    for (at, bone) in way.windows(2).enumerate() {
+        if let ([.., last], Some(end)) = (&pen.line(bone, marks)[..], shown.get_mut(at + 1)) {
+            *end = if at + 2 == way.len() { *last } else { *end };
+        }
+    }
+    shown
+}
+
+/// Begin, bends and end of a [`rounded`] line: of a bend the middle, which is where the drawn limb turns.
+fn corners(line: &[Vec2]) -> Vec<Vec2> {
+    let [first, bends @ .., last] = line else { return line.to_vec() };
+    let bends = bends.chunks_exact(6).map(|bend| 0.5 * (bend[2] + bend[3]));
+    std::iter::once(*first).chain(bends).chain(std::iter::once(*last)).collect()
 }
 
 /// Corners become bends that stay near the corner.

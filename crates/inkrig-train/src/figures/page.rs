@@ -29,11 +29,13 @@ impl Conditions {
 pub struct Picture {
     /// [`SIDE`] x [`SIDE`] pixels.
     pub ink: Ink,
-    /// Key points in pixels.
+    /// Key points in pixels, where the drawing has them.
     pub places: [[f32; 2]; KEY_POINTS],
+    /// Those where the pose has them, which the drawing need not show.
+    pub captured: [[f32; 2]; KEY_POINTS],
     /// Whether they are drawn.
     pub drawn: [bool; KEY_POINTS],
-    /// Neck to pelvis, pixels.
+    /// Neck to pelvis in space, pixels.
     pub torso: f32,
 }
 
@@ -62,6 +64,7 @@ pub fn picture(drawn: &Drawn, conditions: &Conditions, noise: &mut Noise) -> Pic
     Picture {
         ink,
         places: drawn.key_points.map(|place| placement.pixel(place)),
+        captured: drawn.captured.map(|place| placement.pixel(place)),
         drawn: drawn.drawn,
         torso: drawn.torso * scale,
     }

@@ -18,16 +18,22 @@ pub(super) struct Pen<'a> {
 }
 
 impl Pen<'_> {
-    /// A line through places, with all that the hand does to it.
-    pub(super) fn line(&mut self, way: &[Vec2], marks: &mut Vec<Mark>) {
+    /// A line through places, with all that the hand does to it. Gives where it came through each of them, the mean over repeats.
+    pub(super) fn line(&mut self, way: &[Vec2], marks: &mut Vec<Mark>) -> Vec<Vec2> {
+        let mut shown = vec![Vec2::ZERO; way.len()];
         for repeat in 0..self.style.repeats {
             let ink =
                 if repeat == 0 { self.style.ink } else { self.style.ink * self.noise.between(0.4, 1.0) };
             let mut way = way.to_vec();
             self.run_over(&mut way);
             let stray = self.style.wobble * if repeat == 0 { 1.0 } else { 1.6 };
-            self.stroke(&way, stray, ink, marks);
+            let line = self.stroke(&way, stray, ink, marks);
+            let share = 1.0 / self.style.repeats.max(1) as f32;
+            for (shown, at) in shown.iter_mut().zip(places_in_dense(&way)) {
+                *shown += share * line.get(at).copied().unwrap_or_default();
+            }
         }
+        shown
     }
 
     /// A closed line; its ends overlap or miss each other a little.
@@ -72,7 +78,8 @@ impl Pen<'_> {
         }
     }
 
-    fn stroke(&mut self, way: &[Vec2], stray: f32, ink: f32, marks: &mut Vec<Mark>) {
+    /// One stroke; gives the places that it went through, those of [`dense`].
+    fn stroke(&mut self, way: &[Vec2], stray: f32, ink: f32, marks: &mut Vec<Mark>) -> Vec<Vec2> {
         let points = dense(way);
         let waves = self.waves(stray);
         let length = (points.len() as f32 - 1.0).max(1.0);
@@ -95,6 +102,7 @@ impl Pen<'_> {
             let point = *point + off;
             line.push([point.x, point.y, width]);
         }
+        let went = line.iter().map(|[x, y, _]| Vec2::new(*x, *y)).collect();
         if self.noise.happens(self.style.gaps) && line.len() > 5 {
             let first = 1 + self.noise.below(line.len() - 4);
             let end = (first + 1 + self.noise.below(3)).min(line.len() - 1);
@@ -103,6 +111,7 @@ impl Pen<'_> {
             marks.push(Mark::Stroke { points: rest, ink });
         }
         marks.push(Mark::Stroke { points: line, ink });
+        went
     }
 
     /// Slow straying: directions with how quickly and from where they swing.
@@ -119,10 +128,24 @@ impl Pen<'_> {
 fn dense(way: &[Vec2]) -> Vec<Vec2> {
     let mut points: Vec<Vec2> = way.first().copied().into_iter().collect();
     for pair in way.windows(2) {
-        let count = ((pair[1] - pair[0]).length() / STEP).ceil().clamp(1.0, 200.0) as usize;
+        let count = pieces(pair);
         points.extend((1..=count).map(|at| pair[0].lerp(pair[1], at as f32 / count as f32)));
     }
     points
+}
+
+/// Where the places of a way are among those of [`dense`].
+fn places_in_dense(way: &[Vec2]) -> impl Iterator<Item = usize> {
+    let ends = way.windows(2).scan(0, |at, pair| {
+        *at += pieces(pair);
+        Some(*at)
+    });
+    std::iter::once(0).chain(ends)
+}
+
+fn pieces(pair: &[Vec2]) -> usize {
+    let [from, to] = pair else { return 0 };
+    ((*to - *from).length() / STEP).ceil().clamp(1.0, 200.0) as usize
 }
 
 /// A smooth way through places (Catmull and Rom).

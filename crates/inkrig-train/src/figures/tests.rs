@@ -1,6 +1,7 @@
 use super::*;
+use inkrig_generate::readers::ink::Mark;
 use inkrig_generate::readers::sketch::SIDE;
-use inkrig_motion::glam::Vec3;
+use inkrig_motion::glam::{Quat, Vec3};
 use inkrig_motion::humanml::{Camera, JOINTS, Joints, PARENTS, RAW_DIRECTIONS};
 
 /// A body with its arms to the sides.
@@ -63,4 +64,76 @@ fn proportions_change_lengths_and_nothing_else() {
     assert!((long[4] - long[1]).length() - 2.0 * (pose[4] - pose[1]).length() < 1e-5);
     assert!((long[16] - long[17]).length() < 1e-5);
     assert!(((long[18] - long[16]).length() - (pose[18] - pose[16]).length()).abs() < 1e-5);
+}
+
+#[test]
+fn key_points_are_where_the_drawing_has_them() {
+    let pose = seen(&standing(), &Camera::new(0.0, 0.0), 0.0);
+    let (left_elbow, left_wrist, left_ankle) = (14, 16, 6);
+    let mut ran_over = 0.0_f32;
+    for seed in 0..40 {
+        let mut noise = Noise::new(seed);
+        let mut style = Style::random(Family::Stick, &mut noise);
+        style.proportions = Proportions::default();
+        (style.wobble, style.jitter, style.gaps, style.repeats) = (0.0, 0.0, 0.0, 1);
+        (style.overshoot, style.hands, style.feet) = (0.1, Hands::None, Feet::None);
+        style.limbs = if seed % 2 == 0 { Limbs::Line } else { Limbs::Segments };
+        let drawn = draw(&pose, &style, &mut noise);
+        let ends: Vec<[f32; 2]> = drawn
+            .marks
+            .iter()
+            .filter_map(|mark| match mark {
+                Mark::Stroke { points, .. } => points.last().map(|[x, y, _]| [*x, *y]),
+                Mark::Area { .. } => None,
+            })
+            .collect();
+        for point in [left_wrist, left_ankle] {
+            let [x, y] = drawn.key_points[point];
+            let at_an_end = ends.iter().any(|[a, b]| (a - x).hypot(b - y) < 1e-5);
+            assert!(at_an_end || !drawn.drawn[point], "{seed}, {point}");
+        }
+        let ([x, y], [a, b]) = (drawn.key_points[left_wrist], drawn.captured[left_wrist]);
+        ran_over = ran_over.max((x - a).hypot(y - b));
+        let ([x, y], [a, b]) = (drawn.key_points[left_elbow], drawn.captured[left_elbow]);
+        assert!((x - a).hypot(y - b) < 1e-5 || !drawn.drawn[left_wrist], "an arm's corner stays");
+
+        // A ball says where the hand is, however far the arm's line runs into it.
+        style.hands = Hands::Ball;
+        let drawn = draw(&pose, &style, &mut noise);
+        assert_eq!(drawn.key_points[left_wrist], drawn.captured[left_wrist]);
+    }
+    assert!(ran_over > 0.07 && ran_over <= 0.1 + 1e-5, "{ran_over}");
+
+    // Bent towards the viewer, the torso is still as long as it is.
+    let mut bent = pose;
+    let turn = Quat::from_rotation_x(1.2);
+    for joint in [3, 6, 9, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21] {
+        bent[joint] = bent[0] + turn * (bent[joint] - bent[0]);
+    }
+    let style =
+        Style { proportions: Proportions::default(), ..Style::random(Family::Stick, &mut Noise::new(1)) };
+    let torso = |pose: &Joints| draw(pose, &style, &mut Noise::new(1)).torso;
+    assert!((torso(&pose) - torso(&bent)).abs() < 1e-5);
+}
+
+#[test]
+fn the_elbow_of_a_curved_arm_lies_on_the_line() {
+    let mut pose = seen(&standing(), &Camera::new(0.0, 0.0), 0.0);
+    // The left forearm straight up.
+    pose[20] = pose[18] + Vec3::new(0.0, 0.2, 0.0);
+    let mut noise = Noise::new(4);
+    let mut style = Style::random(Family::Gesture, &mut noise);
+    (style.wobble, style.jitter, style.gaps, style.overshoot) = (0.0, 0.0, 0.0, 0.0);
+    (style.limbs, style.torso, style.proportions) = (Limbs::Curve, Torso::Line, Proportions::default());
+    let drawn = draw(&pose, &style, &mut noise);
+    let off_the_line = |[x, y]: [f32; 2]| {
+        let points = drawn.marks.iter().flat_map(|mark| match mark {
+            Mark::Stroke { points, .. } => points.as_slice(),
+            Mark::Area { .. } => &[],
+        });
+        points.map(|[a, b, _]| (a - x).hypot(b - y)).fold(f32::INFINITY, f32::min)
+    };
+    assert!(off_the_line(drawn.key_points[14]) < 0.021, "{}", off_the_line(drawn.key_points[14]));
+    let ([x, y], [a, b]) = (drawn.key_points[14], drawn.captured[14]);
+    assert!((0.015..0.04).contains(&(x - a).hypot(y - b)), "{}", (x - a).hypot(y - b));
 }

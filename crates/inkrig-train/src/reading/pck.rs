@@ -1,4 +1,6 @@
-//! How well key points are found: the share within a tenth of the torso's length (PCK@0.1).
+//! How well key points are found: the share within a tenth of the torso's length (PCK@0.1). The torso is neck to pelvis in space, at
+//! the drawing's scale, so that a figure that bends towards the viewer is not held to nothing; key points are where the drawing has
+//! them. The same of where the pose has them, by the torso as it looks on paper, stands beside it.
 
 use super::Poses;
 use crate::figures::{Conditions, Family, Picture};
@@ -10,6 +12,9 @@ use serde::{Deserialize, Serialize};
 
 /// The share of the torso's length that a key point may be off.
 const WITHIN: f32 = 0.1;
+/// Key points that the torso lies between.
+const NECK: usize = 10;
+const PELVIS: usize = 0;
 
 /// What figures are measured on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -49,6 +54,9 @@ pub struct Pck {
     pub pck: f64,
     /// The same where each figure's arms, and its legs, may be left for right.
     pub pck_either_side: f64,
+    /// The same by the pose and not by the drawing: of where motion capture has the points, which a line that runs over does not
+    /// show, within a tenth of neck to pelvis as it looks on paper.
+    pub pck_of_the_pose: f64,
     /// By key point.
     pub by_point: [f64; KEY_POINTS],
     /// Mean distance, as a share of the torso's length.
@@ -106,12 +114,11 @@ pub fn measure(reader: &SketchReader, pictures: &[Picture]) -> Pck {
 /// Measures whatever finds key points. A point that is farther off than the torso is long counts as one torso in the mean.
 pub fn measure_by(find: &mut dyn FnMut(&Ink) -> Found, pictures: &[Picture]) -> Pck {
     let (mut found, mut drawn) = ([0_usize; KEY_POINTS], [0_usize; KEY_POINTS]);
-    let (mut either, mut distance, mut presence) = (0_usize, 0.0, 0_usize);
+    let (mut either, mut of_the_pose, mut distance, mut presence) = (0_usize, 0_usize, 0.0, 0_usize);
     for picture in pictures {
         let reading = find(&picture.ink);
         let off = |point: usize, read: usize| {
-            let ([x, y], [a, b]) = (picture.places[point], reading.places[read]);
-            ((x - a).hypot(y - b) / picture.torso.max(1.0)).min(1.0)
+            (apart(picture.places[point], reading.places[read]) / picture.torso.max(1.0)).min(1.0)
         };
         for point in 0..KEY_POINTS {
             presence += usize::from(reading.drawn[point] == picture.drawn[point]);
@@ -119,6 +126,9 @@ pub fn measure_by(find: &mut dyn FnMut(&Ink) -> Found, pictures: &[Picture]) -> 
                 drawn[point] += 1;
                 found[point] += usize::from(off(point, point) <= WITHIN);
                 distance += f64::from(off(point, point));
+                let pose = &picture.captured;
+                let miss = apart(pose[point], reading.places[point]);
+                of_the_pose += usize::from(miss <= WITHIN * apart(pose[NECK], pose[PELVIS]).max(1.0));
             }
         }
         // Arms and legs each the way round that finds more.
@@ -135,8 +145,50 @@ pub fn measure_by(find: &mut dyn FnMut(&Ink) -> Found, pictures: &[Picture]) -> 
         pictures: pictures.len(),
         pck: found.iter().sum::<usize>() as f64 / all,
         pck_either_side: either as f64 / all,
+        pck_of_the_pose: of_the_pose as f64 / all,
         by_point: std::array::from_fn(|point| found[point] as f64 / drawn[point].max(1) as f64),
         mean_distance: distance / all,
         presence: presence as f64 / (KEY_POINTS * pictures.len().max(1)) as f64,
+    }
+}
+
+fn apart([x, y]: [f32; 2], [a, b]: [f32; 2]) -> f32 {
+    (x - a).hypot(y - b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_count_by_the_drawing_and_beside_it_by_the_pose() {
+        let captured: [[f32; 2]; KEY_POINTS] = std::array::from_fn(|point| [50.0, 90.0 - 4.0 * point as f32]);
+        let mut places = captured;
+        // A left hand that was drawn too far; its line is followed.
+        places[16][0] += 20.0;
+        let picture = Picture {
+            ink: Ink::new(1, 1),
+            places,
+            captured,
+            drawn: std::array::from_fn(|point| point != 8),
+            // Bent towards the viewer: the 40 pixels that are seen of it are half of it.
+            torso: 80.0,
+        };
+        let found = |places| {
+            let drawn = [true; KEY_POINTS];
+            measure_by(&mut |_| Found { places, drawn }, std::slice::from_ref(&picture))
+        };
+        let own = found(places);
+        assert_eq!((own.pck, own.pck_either_side), (1.0, 1.0));
+        assert_eq!(own.pck_of_the_pose, 16.0 / 17.0);
+        assert_eq!(own.presence, 17.0 / 18.0);
+        let off = found(places.map(|[x, y]| [x + 6.0, y]));
+        assert_eq!((off.pck, off.pck_of_the_pose), (1.0, 0.0));
+        assert!((off.mean_distance - 6.0 / 80.0).abs() < 1e-6);
+        // Arms the other way round: six points, of which collars, elbows and hands lie too far apart to be taken for each other.
+        let mut turned = places;
+        [(11, 12), (14, 15), (16, 17)].iter().for_each(|(a, b)| turned.swap(*a, *b));
+        let turned = found(turned);
+        assert!(turned.pck < 1.0 && turned.pck_either_side == 1.0, "{turned:?}");
     }
 }

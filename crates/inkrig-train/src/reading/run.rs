@@ -10,6 +10,7 @@ use crate::training::rate::rate;
 use inkrig_generate::readers::file::{Header, to_bytes};
 use inkrig_generate::readers::network::{Network, Plan, Work};
 use inkrig_generate::schedule::Noise;
+use inkrig_generate::weights::Tensors;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::io::Write as _;
@@ -58,6 +59,8 @@ pub(super) struct Task<'a> {
     pub identity: String,
     /// What the weights' file says it reads.
     pub header: Header,
+    /// Weights to begin with, as far as they fit.
+    pub from: Option<&'a Tensors>,
     pub threads: usize,
 }
 
@@ -137,7 +140,7 @@ impl Run {
             Some(found) => (found.weights, found.average, found.moments, found.state),
             None => {
                 let state = State { settings: task.identity.clone(), ..State::default() };
-                (plan.random(task.pace.seed), None, Moments::new(plan.numbers()), state)
+                (first_weights(&plan, task), None, Moments::new(plan.numbers()), state)
             }
         };
         let inside = |name: &str| name.ends_with(".linear1.weight") || name.ends_with(".linear2.weight");
@@ -216,6 +219,21 @@ impl Run {
         let bytes = to_bytes(header, &tensors).map_err(|error| wrong(error.to_string()))?;
         write(path, &bytes)
     }
+}
+
+/// Random ones, but for the tensors that are there to begin with.
+fn first_weights(plan: &Plan, task: &Task<'_>) -> Vec<f32> {
+    let mut row = plan.random(task.pace.seed);
+    let mut rest = row.as_mut_slice();
+    for (name, shape) in plan.tensors() {
+        let (own, others) = rest.split_at_mut(shape.iter().product());
+        if let Some(known) = task.from.and_then(|from| from.get(name)).filter(|known| known.shape() == shape)
+        {
+            own.copy_from_slice(known.data());
+        }
+        rest = others;
+    }
+    row
 }
 
 /// The gradients of a few examples. What they are belongs to the seed and their number alone.

@@ -4,7 +4,7 @@ use crate::TrainError;
 use crate::corpus::read_text;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// How a network is taught, whatever it reads.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -59,11 +59,13 @@ pub struct SketchSettings {
     pub bent: f64,
     /// Share of figures that are seen from any side, not from the front half.
     pub turned: f64,
+    /// Weights to begin with, as far as their tensors fit; all others begin at random.
+    pub from: Option<PathBuf>,
 }
 
 impl Default for SketchSettings {
     fn default() -> Self {
-        Self { pace: Pace::default(), bent: 0.3, turned: 0.15 }
+        Self { pace: Pace::default(), bent: 0.3, turned: 0.15, from: None }
     }
 }
 

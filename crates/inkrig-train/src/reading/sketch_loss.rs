@@ -113,6 +113,7 @@ mod tests {
         let mut picture = Picture {
             ink: Ink::new(1, 1),
             places: std::array::from_fn(|point| [20.0 + 6.0 * point as f32, 150.0 - 5.5 * point as f32]),
+            captured: [[0.0; 2]; KEY_POINTS],
             drawn: [true; KEY_POINTS],
             torso: 30.0,
         };

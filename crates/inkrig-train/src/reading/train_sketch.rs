@@ -6,11 +6,14 @@ use super::{Poses, SketchSettings, Subset, measure, rendered};
 use crate::TrainError;
 use crate::corpus::{Manifest, Split};
 use crate::figures::{Conditions, Family, Picture};
-use inkrig_generate::readers::file::Header;
+use inkrig_generate::checkpoint::CheckpointError;
+use inkrig_generate::readers::file::{Header, read};
 use inkrig_generate::readers::network::{Network, Work};
 use inkrig_generate::readers::sketch::{Outputs, SketchReader, plan};
 use inkrig_generate::schedule::Noise;
+use inkrig_generate::weights::Tensors;
 use serde::{Deserialize, Serialize};
+use std::io::BufReader;
 use std::path::Path;
 
 /// A line of `log.jsonl`.
@@ -57,9 +60,17 @@ pub fn train_sketch(
         learned: measured(Subset::Learned),
         unseen: measured(Subset::Unseen),
     };
+    let from = settings.from.as_deref().map(weights).transpose()?;
     let header = Header::new("sketch");
-    let task = Task { folder, pace: &settings.pace, identity: settings.identity(), header, threads };
+    let (pace, identity, from) = (&settings.pace, settings.identity(), from.as_ref());
+    let task = Task { folder, pace, identity, header, from, threads };
     teach(&lesson, plan, &task, progress)
+}
+
+fn weights(path: &Path) -> Result<Tensors, TrainError> {
+    let file = std::fs::File::open(path).map_err(|cause| TrainError::File { path: path.into(), cause })?;
+    let wrong = |error: CheckpointError| TrainError::Content { path: path.into(), what: error.to_string() };
+    Ok(read(BufReader::new(file), "sketch").map_err(wrong)?.1)
 }
 
 struct SketchLesson<'a> {

@@ -48,7 +48,8 @@ pub fn train_word(
     let examples = word_examples(&held_out, settings.pace.measured.div_ceil(VERBS.len()), 3);
     let lesson = WordLesson { fonts: learned, settings, letters, examples };
     let header = Header::new("word");
-    let task = Task { folder, pace: &settings.pace, identity: settings.identity(), header, threads };
+    let task =
+        Task { folder, pace: &settings.pace, identity: settings.identity(), header, from: None, threads };
     teach(&lesson, plan, &task, progress)
 }
 
