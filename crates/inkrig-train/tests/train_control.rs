@@ -129,6 +129,7 @@ fn stages_after_the_denoiser_learn_and_end_the_same_when_killed() {
         shortest: 10,
         longest: 40,
         velocity: false,
+        trunk: 0,
         ..DenoiserSettings::default()
     };
     let vae = of_vae.join("last.safetensors");
@@ -138,6 +139,13 @@ fn stages_after_the_denoiser_learn_and_end_the_same_when_killed() {
     let error = train_align(&place(&corpus, &of_vae, 1), &model, &AlignSettings::default(), go_on);
     assert!(error.unwrap_err().to_string().contains("no control"));
     stages(desk.path(), &corpus, &model, 0);
+    // Of feed-forward blocks, which nothing can copy.
+    let of_feeding = desk.path().join("feeding");
+    let denoiser = DenoiserSettings { velocity: true, trunk: 32, ..denoiser };
+    train_denoiser(&place(&corpus, &of_feeding, 1), &vae, &denoiser, go_on).unwrap();
+    let model = of_feeding.join("last.safetensors");
+    let error = train_control(&place(&corpus, &of_vae, 1), &model, &control(0), go_on).unwrap_err();
+    assert!(error.to_string().contains("estimate"), "{error}");
     stages(desk.path(), &corpus, &model, 24);
 }
 

@@ -34,6 +34,7 @@ fn settings() -> DenoiserSettings {
         longest: 40,
         mixed: 0.3,
         velocity: false,
+        trunk: 0,
         ..DenoiserSettings::default()
     }
 }
@@ -73,6 +74,13 @@ fn a_run_learns_ends_the_same_when_killed_and_writes_models() {
     let report = train_denoiser(&place(&corpus, &other, 2), &vae, &settings_of_velocity, go_on).unwrap();
     let losses: Vec<f64> = report.rows.iter().map(|row| row.loss).collect();
     println!("velocities: losses {losses:?}");
+    assert!(losses[2] < 0.95 * losses[0], "{losses:?}");
+
+    let settings_of_blocks = DenoiserSettings { velocity: true, trunk: 32, ..settings() };
+    let other = desk.path().join("feeding");
+    let report = train_denoiser(&place(&corpus, &other, 2), &vae, &settings_of_blocks, go_on).unwrap();
+    let losses: Vec<f64> = report.rows.iter().map(|row| row.loss).collect();
+    println!("feed-forward blocks: losses {losses:?}");
     assert!(losses[2] < 0.95 * losses[0], "{losses:?}");
 
     // Killed twice, once between two checkpoints.

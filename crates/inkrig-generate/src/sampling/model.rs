@@ -72,6 +72,11 @@ impl Networks {
     pub fn new(sizes: &Sizes, weights: &Tensors) -> Result<Self, GenerateError> {
         let parts = Parts::of(weights);
         let by_estimate = sizes.estimate > 0;
+        if parts.control && !by_estimate && sizes.trunk > 0 {
+            let (setting, value, needed) =
+                ("trunk", sizes.trunk.to_string(), "0 where control is by a ControlNet");
+            return Err(GenerateError::Setting { setting, value, needed });
+        }
         let control = if parts.control && !by_estimate {
             Some(Control {
                 trajectory: ControlNet::new(sizes, weights)?,

@@ -187,6 +187,10 @@ pub fn train_control(
     if !Parts::of(&base.weights).control {
         base.header.sizes.estimate = settings.estimate.width;
     }
+    if base.header.sizes.trunk > 0 && base.header.sizes.estimate == 0 {
+        let what = "its denoiser is of feed-forward blocks, which ControlNet and adapter cannot copy: set estimate.width above 0".into();
+        return Err(TrainError::Content { path: model.into(), what });
+    }
     let cut = settings.cut(&base.header.sizes)?;
     let manifest = Manifest::read(place.corpus)?;
     let read = |split, mirrored| motions::read(&manifest, split, &base.features, mirrored, settings.balance);
