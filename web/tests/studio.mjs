@@ -289,7 +289,7 @@ try {
     for (let i = 0; i < 12; i += 1) await page.keyboard.press('.');
     await until('the mesh moves', async () => !still.equals(await page.locator('#stage').screenshot()));
     await show.click();
-    assert.equal(await show.getAttribute('aria-pressed'), 'false');
+    await until('the capsules again', async () => (await show.getAttribute('aria-pressed')) === 'false');
   });
 
   await step('a reference video plays beside the motion', async () => {
