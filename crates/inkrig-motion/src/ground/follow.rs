@@ -54,7 +54,7 @@ pub struct Followed {
     /// How far the motion travels, metres: the same before and after.
     pub travelled_metres: f64,
     /// Mean distance of the motion's way (without sway) from the path, metres. Beyond the end of an open path the
-    /// way goes on straight, and so does the path here.
+    /// way goes on straight; nothing was drawn there, so it does not count.
     pub mean_distance: f64,
     /// Largest of these distances, metres.
     pub max_distance: f64,
@@ -86,10 +86,14 @@ pub fn follow_path(clip: &Clip, route: &Route, options: &PathOptions) -> Result<
     let moves: Vec<GroundMove> = (places.iter().zip(turns))
         .map(|(((from, _), (to, _)), turn)| GroundMove { turn: turn - first, from: *from, to: *to })
         .collect();
-    let (mut sum, mut max_distance) = (0.0, 0.0_f64);
+    let (mut sum, mut count, mut max_distance) = (0.0, 0.0_f64, 0.0_f64);
     for ((step, place), way) in moves.iter().zip(&trajectory.path).zip(&spine.progress) {
+        if !raw.covers(*way) {
+            continue;
+        }
         let distance = raw.distance(step.of(*place), *way, size);
         sum += distance;
+        count += 1.0;
         max_distance = max_distance.max(distance);
     }
     Ok(Followed {
@@ -97,7 +101,7 @@ pub fn follow_path(clip: &Clip, route: &Route, options: &PathOptions) -> Result<
         metres_per_unit: scale,
         path_metres: raw.length(),
         travelled_metres: travelled,
-        mean_distance: sum / moves.len() as f64,
+        mean_distance: sum / count.max(1.0),
         max_distance,
     })
 }

@@ -47,6 +47,11 @@ impl Line {
         self.arc.last().copied().unwrap_or(0.0)
     }
 
+    /// Whether a way of `s` metres ends on the line itself, not beyond it.
+    pub(super) fn covers(&self, s: f64) -> bool {
+        self.closed || s <= self.length()
+    }
+
     /// The point and the direction (radians) after a way of `s` metres.
     pub(super) fn at(&self, s: f64) -> (DVec2, f64) {
         let (length, last) = (self.length(), self.points.len() - 1);
