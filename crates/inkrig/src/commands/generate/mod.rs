@@ -199,7 +199,9 @@ impl Model {
         Ok(SamplingOptions {
             text_weight: args.text_weight.map_or(usual.text_weight, |weight| weight as f32),
             guidance: usual.guidance.filter(|_| args.guidance != Some(GuidanceArg::Off)),
-            settle: Some(SettleOptions::default()).filter(|_| args.ground == GroundArg::On),
+            // Settling draws to what was asked for, too.
+            settle: Some(SettleOptions::default())
+                .filter(|_| args.ground == GroundArg::On && args.guidance != Some(GuidanceArg::Off)),
             ..usual
         })
     }
