@@ -3,7 +3,7 @@ import './style/layout.css';
 import './style/controls.css';
 
 import { Refused } from './api/http';
-import { byId, h } from './base/dom';
+import { byId, calm, h } from './base/dom';
 import { css, rampAt } from './base/colour';
 import { scheme, setScheme, startScheme, theme } from './base/theme';
 import { Board } from './canvas/board';
@@ -124,9 +124,12 @@ function start(session: Session): void {
     const seek = () => {
       const found = session.source.value.find(sourceFrame());
       stage.seek(session.player.seconds.value, found ? found.frame / found.part.motion.rate : 0);
+      say();
+    };
+    const say = calm(() => session.live.active !== 0, () => {
       const text = session.used.value ? `clip ${session.source.value.describe(sourceFrame())}` : session.motion.value ? 'the clip as it is' : '';
       if (byId('caption').textContent !== text) byId('caption').textContent = text;
-    };
+    });
     session.motion.watch((motion) => {
       if (motion) stage.show(motion);
       seek();

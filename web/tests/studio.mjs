@@ -189,6 +189,17 @@ try {
     await finished(page);
     assert.deepEqual(await violations(page), []);
     await page.screenshot({ path: picture(pictures, 'sound-dark-1440') });
+    await page.getByRole('button', { name: 'Play', exact: true }).click();
+    await rest(1200);
+    const apart = await until('the sound in time with the motion', () =>
+      page.evaluate(() => {
+        const audio = document.querySelector('audio');
+        const time = Number(document.querySelector('.scrubber').value) / Number(document.querySelector('.scrubber').max);
+        return !audio.paused && audio.currentTime > 0.3 ? Math.abs(audio.currentTime - time * audio.duration) : null;
+      }),
+    );
+    assert.ok(apart < 0.25, `the sound is ${apart} s off`);
+    await page.getByRole('button', { name: 'Pause', exact: true }).click();
   });
 
   await step('another motion as control', async () => {
@@ -412,7 +423,13 @@ async function latency(page) {
   if (process.env.STUDIO_TIMES) assert.ok(median <= 60 && late <= 150);
 }
 
+/** Pictures a second while it plays, in a viewport of at least 1000 x 500. */
 async function frames(page) {
+  const before = page.viewportSize();
+  await page.setViewportSize({ width: 2300, height: 840 });
+  await rest(600);
+  const { width, height } = await page.locator('#stage').boundingBox();
+  assert.ok(width >= 1000 && height >= 500, `the stage is ${width} x ${height}`);
   await page.getByRole('button', { name: 'Play', exact: true }).click();
   const count = await page.evaluate(
     () => new Promise((done) => {
@@ -422,6 +439,8 @@ async function frames(page) {
     }),
   );
   await page.getByRole('button', { name: 'Pause', exact: true }).click();
-  console.log(`  playback: ${count.toFixed(0)} frames a second`);
+  await page.setViewportSize(before);
+  await rest(300);
+  console.log(`  playback: ${count.toFixed(0)} frames a second at ${width.toFixed(0)} x ${height.toFixed(0)}`);
   if (process.env.STUDIO_TIMES) assert.ok(count >= 30);
 }

@@ -74,7 +74,10 @@ export class Live {
     };
     socket.onmessage = ({ data }: MessageEvent<string | ArrayBuffer>) => {
       if (typeof data === 'string') this.#listener.said(JSON.parse(data) as ToPage);
-      else this.#listener.poses(data);
+      else {
+        this.#send({ type: 'seen' });
+        this.#listener.poses(data);
+      }
     };
     socket.onclose = () => {
       if (this.#closed) return;

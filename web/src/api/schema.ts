@@ -1015,6 +1015,9 @@ export interface components {
             stroke: number;
             /** @enum {string} */
             type: "cancel";
+        } | {
+            /** @enum {string} */
+            type: "seen";
         };
         /** @description One number with what it means. */
         Gauge: {

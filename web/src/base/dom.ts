@@ -23,6 +23,9 @@ export function byId(id: string): HTMLElement {
   return element;
 }
 
+/** Between two pictures of what is beside a pen that draws, milliseconds. */
+const CALM = 200;
+
 let processorDraws = false;
 
 /** Without a graphics card, canvases are quicker when they never pretend to have one. To be said before any is drawn. */
@@ -54,6 +57,15 @@ export function painter(draw: () => void, seen: HTMLElement | null = null): () =
       asked = false;
       draw();
     });
+  };
+}
+
+/** Runs `draw` at once, but while `busy` at most every `CALM` milliseconds: what moves then comes first. */
+export function calm(busy: () => boolean, draw: () => void): () => void {
+  let waiting = 0;
+  return () => {
+    if (!busy()) draw();
+    else if (waiting === 0) waiting = window.setTimeout(() => ((waiting = 0), draw()), CALM);
   };
 }
 

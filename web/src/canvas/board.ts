@@ -42,7 +42,7 @@ export class Board {
     this.#drawTop = painter(() => this.#renderTop(), top);
     this.marks = new KeyMarks(session, ui, this.paper, () => this.#line);
     new Navigate(top, this.paper, ui, () => this.redraw());
-    listenToPen(top, { begin: (sample, event) => this.#begin(sample, event), move: (samples) => this.#move(samples), end: (cancelled) => this.#end(cancelled) });
+    listenToPen(top, { begin: (sample, event) => this.#begin(sample, event), move: (samples, at) => this.#move(samples, at), end: (cancelled) => this.#end(cancelled) });
     top.addEventListener('pointermove', (event) => this.#hover(event));
     top.addEventListener('pointerleave', () => this.#leave());
     onResize(top, () => this.#resize());
@@ -56,7 +56,9 @@ export class Board {
     session.motion.subscribe(() => {
       if (this.#stroke && this.#grows) session.player.seek(session.player.duration.value);
     });
-    for (const signal of [session.used, session.result, theme, ui.selected, ui.tool, ui.carried]) signal.subscribe(() => this.redraw());
+    for (const signal of [session.result, theme, ui.selected, ui.tool, ui.carried]) signal.subscribe(() => this.redraw());
+    // A new stroke is on the upper sheet: what is under it stays as it is.
+    session.used.subscribe(() => (this.#stroke && ui.tool.value === 'draw' ? this.#drawTop() : this.redraw()));
     ui.underlay.subscribe(() => this.frame());
     for (const signal of [session.player.seconds, ui.hover]) signal.subscribe(() => this.#drawTop());
   }
@@ -130,11 +132,11 @@ export class Board {
     this.#grows = mode !== 'redraw';
     this.session.player.pause();
     this.session.drawing.value = mode === 'draw' ? { kind: 'curve', strokes: [[]], timing, smooth: null } : this.session.drawing.value ?? control;
-    this.#flush();
+    this.#send(event.timeStamp);
     return true;
   }
 
-  #move(samples: readonly PenSample[]): void {
+  #move(samples: readonly PenSample[], at: number): void {
     if (this.marks.grabbed) {
       const last = samples.at(-1);
       if (last) this.marks.drag([last.x, last.y], this.timeUnder([last.x, last.y], Infinity));
@@ -150,6 +152,7 @@ export class Board {
       this.#stroke.points.push(point);
       this.#stroke.unsent.push(point);
     }
+    this.#send(at);
     this.#drawTop();
   }
 
@@ -161,7 +164,7 @@ export class Board {
       this.session.live.cancel(stroke.number);
       this.session.drawing.value = null;
     } else {
-      this.#send();
+      this.#send(performance.now());
       this.session.live.end(stroke.number);
       const control = this.session.drawing.value;
       // Until the server's own line is there, the stroke as it was drawn.
@@ -175,19 +178,13 @@ export class Board {
     this.redraw();
   }
 
-  /** Points go out once a picture, however many the pen gives. */
-  #flush(): void {
-    if (!this.#stroke) return;
-    this.#send();
-    requestAnimationFrame(() => this.#flush());
-  }
-
-  #send(): void {
+  /** Says what the pen drew until `at`. Browsers call once a picture, however many points a pen gives. */
+  #send(at: number): void {
     const stroke = this.#stroke;
     if (!stroke || stroke.unsent.length === 0) return;
     stroke.messages += 1;
     this.session.live.points(stroke.number, stroke.unsent);
-    this.session.sent(stroke.number, stroke.messages);
+    this.session.sent(stroke.number, stroke.messages, at);
     stroke.unsent = [];
   }
 

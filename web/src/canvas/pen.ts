@@ -9,7 +9,8 @@ export interface PenSample {
 export interface PenListener {
   /** Whether a stroke may begin here. */
   begin(sample: PenSample, event: PointerEvent): boolean;
-  move(samples: readonly PenSample[]): void;
+  /** `at` is when the pen was there, on the clock of `performance.now()`. */
+  move(samples: readonly PenSample[], at: number): void;
   end(cancelled: boolean): void;
 }
 
@@ -41,7 +42,10 @@ export function listenToPen(element: HTMLElement, listener: PenListener): void {
     event.preventDefault();
   });
 
-  element.addEventListener('pointermove', (event) => {
+  // Where a browser tells of every sample at once, none waits for the next picture; elsewhere they come with it.
+  const moves = 'onpointerrawupdate' in element ? 'pointerrawupdate' : 'pointermove';
+  element.addEventListener(moves, (event) => {
+    if (!(event instanceof PointerEvent)) return;
     if (!active || event.pointerId !== active.id) return;
     const samples: PenSample[] = [];
     for (const part of coalesced(event)) {
@@ -53,13 +57,13 @@ export function listenToPen(element: HTMLElement, listener: PenListener): void {
       active.y = raw.y + (active.y - raw.y) * keep;
       samples.push({ ...raw, x: active.x, y: active.y });
     }
-    if (samples.length > 0) listener.move(samples);
+    if (samples.length > 0) listener.move(samples, event.timeStamp);
     event.preventDefault();
   });
 
   const end = (event: PointerEvent, cancelled: boolean) => {
     if (!active || event.pointerId !== active.id) return;
-    if (!cancelled) listener.move([active.last]);
+    if (!cancelled) listener.move([active.last], event.timeStamp);
     active = null;
     listener.end(cancelled);
   };

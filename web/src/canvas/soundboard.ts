@@ -1,4 +1,4 @@
-import { address, get } from '../api/http';
+import { bytes, get } from '../api/http';
 import type { Outline } from '../api/types';
 import { css, rampAt } from '../base/colour';
 import { fit, h, onResize, painter } from '../base/dom';
@@ -59,9 +59,11 @@ export class SoundBoard {
       this.#draw();
       return;
     }
-    this.#audio.src = address(`sounds/${sound}/file`).href;
-    const { peaks, seconds } = await get<Outline>(`sounds/${sound}/outline?points=400`);
+    const [file, { peaks, seconds }] = await Promise.all([bytes(`sounds/${sound}/file`), get<Outline>(`sounds/${sound}/outline?points=400`)]);
     if (sound !== this.#shown) return;
+    // Whole in memory: browsers find no place in a file that comes as a stream, and begin anew instead.
+    URL.revokeObjectURL(this.#audio.src);
+    this.#audio.src = URL.createObjectURL(new Blob([file]));
     [this.#peaks, this.#seconds] = [peaks, seconds];
     this.values.onchange(peaks);
     this.#draw();

@@ -40,7 +40,7 @@ export class WaveBoard {
     session.store.document.watch(({ control }) => void this.#take(control));
     session.drawing.subscribe((control) => control?.kind === 'drawnWave' && this.#set(control.points));
     this.#input.addEventListener('change', () => controls.set({ kind: 'wave', expression: this.#input.value }, 'Expression'));
-    listenToPen(this.#canvas, { begin: (sample) => this.#begin(sample), move: (samples) => this.#move(samples), end: (cancelled) => this.#end(cancelled) });
+    listenToPen(this.#canvas, { begin: (sample, event) => this.#begin(sample, event.timeStamp), move: (samples, at) => this.#move(samples, at), end: (cancelled) => this.#end(cancelled) });
   }
 
   async #take(control: Control | null): Promise<void> {
@@ -71,45 +71,40 @@ export class WaveBoard {
     return { low: Math.min(-1, ...values), high: Math.max(1, ...values) };
   }
 
-  #begin(sample: PenSample): boolean {
+  #begin(sample: PenSample, at: number): boolean {
     if (!this.session.connected.value) return false;
     const first = this.#point(sample);
     this.session.player.pause();
     this.#stroke = { number: this.session.live.begin('wave'), messages: 0, unsent: [first], seconds: this.#seconds };
-    this.#flush();
+    this.#send(at);
     return true;
   }
 
-  #move(samples: readonly PenSample[]): void {
+  #move(samples: readonly PenSample[], at: number): void {
     for (const sample of samples) {
       const point = this.#point(sample);
       this.#stroke?.unsent.push(point);
       this.#over(point);
     }
+    this.#send(at);
     this.#draw();
   }
 
   #end(cancelled: boolean): void {
     const stroke = this.#stroke;
     if (!stroke) return;
-    this.#send();
+    this.#send(performance.now());
     this.#stroke = null;
     if (cancelled) this.session.live.cancel(stroke.number);
     else this.session.live.end(stroke.number);
   }
 
-  #flush(): void {
-    if (!this.#stroke) return;
-    this.#send();
-    requestAnimationFrame(() => this.#flush());
-  }
-
-  #send(): void {
+  #send(at: number): void {
     const stroke = this.#stroke;
     if (!stroke || stroke.unsent.length === 0) return;
     stroke.messages += 1;
     this.session.live.points(stroke.number, stroke.unsent);
-    this.session.sent(stroke.number, stroke.messages);
+    this.session.sent(stroke.number, stroke.messages, at);
     stroke.unsent = [];
   }
 

@@ -104,9 +104,9 @@ export class Session {
     return loaded;
   }
 
-  /** Remembers when points went out, to say how long their poses took. */
-  sent(stroke: number, message: number): void {
-    this.#sent.set(`${stroke}/${message}`, performance.now());
+  /** Remembers when the pen was where a message says, to tell how long its poses took. */
+  sent(stroke: number, message: number, at: number): void {
+    this.#sent.set(`${stroke}/${message}`, at);
     if (this.#sent.size > 400) this.#sent = new Map([...this.#sent].slice(-200));
   }
 

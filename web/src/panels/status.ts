@@ -1,5 +1,5 @@
 import type { Gauge } from '../api/types';
-import { h } from '../base/dom';
+import { calm, h } from '../base/dom';
 import type { Session } from '../document/session';
 import type { Ui } from '../document/ui';
 
@@ -44,9 +44,11 @@ export function status(line: HTMLElement, session: Session, ui: Ui): void {
   };
   session.job.watch(working);
   session.stale.subscribe(working);
-  session.latency.watch((latency) => {
+  const tell = calm(() => session.live.active !== 0, () => {
+    const latency = session.latency.value;
     speed.textContent = latency ? `pen to pose ${latency.whole.toFixed(0)} ms (${latency.solve.toFixed(0)})` : '';
   });
+  session.latency.watch(tell);
   const keep = () => {
     const state = session.connected.value ? session.store.saved.value : 'offline';
     saved.textContent = state === 'saved' ? 'Saved' : state === 'saving' ? 'Saving' : 'Not connected';

@@ -1,4 +1,4 @@
-import { h } from '../base/dom';
+import { calm, h } from '../base/dom';
 import { icon } from '../base/icons';
 import { clock } from '../base/maths';
 import { SPEEDS } from '../document/player';
@@ -40,14 +40,14 @@ export function transport(place: HTMLElement, timeline: HTMLElement, session: Se
   });
   player.looping.watch((is) => pressed(loop, is));
   player.speed.watch((speed) => (speeds.value = String(speed)));
-  const tell = () => {
+  const tell = calm(() => session.live.active !== 0, () => {
     now.data = clock(player.seconds.value);
     whole.textContent = ` / ${clock(player.duration.value)}`;
     frame.textContent = `frame ${Math.round(player.seconds.value * player.rate)}`;
     scrub.max = String(player.duration.value);
     scrub.value = String(player.seconds.value);
     scrub.setAttribute('aria-valuetext', `${player.seconds.value.toFixed(2)} seconds`);
-  };
+  });
   player.seconds.subscribe(tell);
   player.duration.watch(tell);
 }

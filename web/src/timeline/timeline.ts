@@ -1,5 +1,5 @@
 import type { Key } from '../api/types';
-import { fit, onResize, painter } from '../base/dom';
+import { calm, fit, onResize, painter } from '../base/dom';
 import { clamp, type Vec2 } from '../base/maths';
 import { theme } from '../base/theme';
 import { newKey, timeOf } from '../document/keys';
@@ -40,10 +40,13 @@ export class Timeline {
     };
     session.plan.watch(reheat);
     theme.subscribe(reheat);
-    for (const signal of [session.store.document, session.result, session.used, session.source, session.stale, session.player.duration, ui.selected]) {
+    for (const signal of [session.store.document, session.result, session.source, session.stale, ui.selected]) {
       signal.subscribe(() => this.redraw());
     }
-    for (const signal of [session.player.seconds, ui.hover, ui.pointed]) signal.subscribe(() => this.#drawTop());
+    const drawing = () => session.live.active !== 0;
+    for (const signal of [session.used, session.player.duration]) signal.subscribe(calm(drawing, () => this.redraw()));
+    session.player.seconds.subscribe(calm(drawing, () => this.#drawTop()));
+    for (const signal of [ui.hover, ui.pointed]) signal.subscribe(() => this.#drawTop());
     this.#listen();
   }
 

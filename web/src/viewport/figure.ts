@@ -1,23 +1,21 @@
 import {
-  Bone,
   Color,
   DoubleSide,
   KeepStencilOp,
   Matrix4,
+  Mesh,
   MeshBasicMaterial,
   MeshLambertMaterial,
   NotEqualStencilFunc,
   Object3D,
   Quaternion,
   ReplaceStencilOp,
-  Skeleton,
-  SkinnedMesh,
   SRGBColorSpace,
   Vector3,
 } from 'three';
 
 import type { Rgb } from '../base/colour';
-import { bodyGeometry } from './capsule';
+import { BodyGeometry, FINE, type Detail } from './capsule';
 import type { Motion } from './motion';
 
 /** Colours of the sides of a body. */
@@ -34,38 +32,24 @@ const SHADOW = { x: -0.42, z: -0.28 };
 /** A body of capsules that takes any pose of its motion. Optionally see-through, optionally with a shadow on y = 0. */
 export class Figure {
   readonly object = new Object3D();
-  readonly #bones: Bone[];
-  readonly #shadowBones: Bone[] = [];
+  readonly #places: Matrix4[];
   readonly #lengths: number[];
-  readonly #mesh: SkinnedMesh;
+  readonly #geometry: BodyGeometry;
+  readonly #meshes: Mesh[] = [];
   readonly #limbs: Motion['body']['limbs'];
-  readonly #shadow: SkinnedMesh | null = null;
 
-  constructor(motion: Motion, tint: Tint, options: { opacity?: number; shadow?: Rgb; order?: number } = {}) {
+  constructor(motion: Motion, tint: Tint, options: { opacity?: number; shadow?: Rgb; order?: number; detail?: Detail } = {}) {
     this.#limbs = motion.body.limbs;
     this.#lengths = this.#limbs.map((limb) => distance(motion.positions, limb.from, limb.to));
+    this.#places = this.#limbs.map(() => new Matrix4());
     const colours = this.#limbs.map((limb) => colour(tint[limb.side]));
-    const geometry = bodyGeometry(motion.body, this.#lengths, colours);
+    this.#geometry = new BodyGeometry(motion.body, this.#lengths, colours, options.detail ?? FINE, options.shadow ? SHADOW : null);
     const opacity = options.opacity ?? 1;
-    const material = new MeshLambertMaterial({ vertexColors: true, transparent: opacity < 1, opacity, depthWrite: true });
-    this.#bones = this.#limbs.map(bone);
-    this.#mesh = skinned(geometry, material, this.#bones);
-    this.#mesh.renderOrder = options.order ?? 0;
-    this.object.add(this.#mesh);
-    if (opacity < 1) {
-      // Depth first, so that limbs do not shine through each other.
-      const solid = new SkinnedMesh(geometry, new MeshBasicMaterial({ colorWrite: false, transparent: true }));
-      solid.frustumCulled = solid.matrixAutoUpdate = false;
-      solid.bind(this.#mesh.skeleton, new Matrix4());
-      solid.renderOrder = this.#mesh.renderOrder - 0.5;
-      this.object.add(solid);
-    }
-    if (options.shadow) {
-      this.#shadowBones = this.#limbs.map(bone);
-      this.#shadow = skinned(geometry, shadowMaterial(options.shadow), this.#shadowBones);
-      this.#shadow.renderOrder = -1;
-      this.object.add(this.#shadow);
-    }
+    const order = options.order ?? 0;
+    this.#add(this.#geometry.body, new MeshLambertMaterial({ vertexColors: true, transparent: opacity < 1, opacity }), order);
+    // Depth first, so that limbs do not shine through each other.
+    if (opacity < 1) this.#add(this.#geometry.body, new MeshBasicMaterial({ colorWrite: false, transparent: true }), order - 0.5);
+    if (options.shadow && this.#geometry.shadow) this.#add(this.#geometry.shadow, shadowMaterial(options.shadow), -1);
   }
 
   /** Puts limbs where `pose` (joints x 3) has its joints, moved by `aside`. */
@@ -78,47 +62,31 @@ export class Figure {
       const rest = this.#lengths[place] ?? 0;
       turn.setFromUnitVectors(UP, length > 1e-6 ? along.multiplyScalar(1 / length) : UP);
       scale.set(1, rest > 1e-6 && length > 1e-6 ? length / rest : 1, 1);
-      const matrix = this.#bones[place]?.matrixWorld;
-      matrix?.compose(from.add(aside), turn, scale);
-      const shadow = this.#shadowBones[place]?.matrixWorld;
-      if (matrix && shadow) shadow.multiplyMatrices(FLAT, matrix);
+      this.#places[place]?.compose(from.add(aside), turn, scale);
     });
+    this.#geometry.place(this.#places);
   }
 
   dispose(): void {
     this.object.removeFromParent();
-    this.#mesh.geometry.dispose();
-    for (const mesh of [this.#mesh, this.#shadow]) {
-      mesh?.skeleton.dispose();
-      const material = mesh?.material;
-      if (material && !Array.isArray(material)) material.dispose();
-    }
+    this.#geometry.dispose();
+    for (const mesh of this.#meshes) if (!Array.isArray(mesh.material)) mesh.material.dispose();
+  }
+
+  #add(geometry: BodyGeometry['body'], material: MeshLambertMaterial | MeshBasicMaterial, order: number): void {
+    const mesh = new Mesh(geometry, material);
+    // What is posed is where it is told, and never out of sight by its bounds at rest.
+    mesh.frustumCulled = mesh.matrixAutoUpdate = false;
+    mesh.renderOrder = order;
+    this.#meshes.push(mesh);
+    this.object.add(mesh);
   }
 }
 
 const ZERO = new Vector3();
 const [from, to, along, scale, turn] = [new Vector3(), new Vector3(), new Vector3(), new Vector3(), new Quaternion()];
-/** Onto the ground along the light, a hair above it. */
-const FLAT = new Matrix4().set(1, SHADOW.x, 0, 0, 0, 0, 0, 0.002, 0, SHADOW.z, 1, 0, 0, 0, 0, 1);
-
 export function colour(rgb: Rgb): Color {
   return new Color().setRGB(rgb[0] / 255, rgb[1] / 255, rgb[2] / 255, SRGBColorSpace);
-}
-
-function bone(): Bone {
-  const bone = new Bone();
-  bone.matrixAutoUpdate = false;
-  bone.matrixWorldAutoUpdate = false;
-  return bone;
-}
-
-function skinned(geometry: ReturnType<typeof bodyGeometry>, material: MeshLambertMaterial | MeshBasicMaterial, bones: Bone[]): SkinnedMesh {
-  const mesh = new SkinnedMesh(geometry, material);
-  mesh.frustumCulled = false;
-  mesh.matrixAutoUpdate = false;
-  // Bones are given in the world, and stand at the origin when bound.
-  mesh.bind(new Skeleton(bones, bones.map(() => new Matrix4())), new Matrix4());
-  return mesh;
 }
 
 /** Each pixel of the ground is darkened once, however many limbs are above it. */

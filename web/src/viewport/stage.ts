@@ -3,6 +3,7 @@ import { DirectionalLight, Fog, HemisphereLight, PerspectiveCamera, Scene, Vecto
 import { blend } from '../base/colour';
 import { drawByProcessor, onResize, painter } from '../base/dom';
 import { theme, type Theme } from '../base/theme';
+import { FINE, PLAIN } from './capsule';
 import { colour, Figure, type Tint } from './figure';
 import { Ground } from './ground';
 import { duration, facing, outline, poseAt, type Motion } from './motion';
@@ -167,12 +168,13 @@ export class Stage {
     const motion = this.#motion;
     if (!motion) return;
     const now = theme.value;
-    this.#figure = new Figure(motion, sides(now), { shadow: shade(now) });
-    this.#red = new Figure(motion, one(now.key), { shadow: shade(now) });
+    const look = { shadow: shade(now), detail: this.#software ? PLAIN : FINE };
+    this.#figure = new Figure(motion, sides(now), look);
+    this.#red = new Figure(motion, one(now.key), look);
     if (this.#view.compare && this.#source) {
-      this.#compare = new Figure(this.#source, one(blend(now.ghost, now.stage, 0.15)), { shadow: shade(now) });
+      this.#compare = new Figure(this.#source, one(blend(now.ghost, now.stage, 0.15)), look);
     }
-    if (this.#view.ghosts) this.#ghosts = GHOSTS.map((_, i) => new Figure(motion, one(now.ghost), { opacity: 0.2, order: 2 + i }));
+    if (this.#view.ghosts) this.#ghosts = GHOSTS.map((_, i) => new Figure(motion, one(now.ghost), { opacity: 0.2, order: 2 + i, detail: look.detail }));
     for (const figure of [this.#figure, this.#red, this.#compare, ...this.#ghosts]) if (figure) this.#scene.add(figure.object);
     if (this.#view.ground) {
       this.#ground = new Ground(this.#size.tall, now.grid);

@@ -14,9 +14,9 @@ use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt as _, StreamExt as _};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-use tokio::sync::mpsc;
+use tokio::sync::{Notify, mpsc};
 use utoipa::ToSchema;
 
 /// Most bytes of a message of the page.
@@ -27,6 +27,8 @@ const MOST_CLIENTS: usize = 32;
 const DRAWING: Duration = Duration::from_millis(50);
 /// Between two questions whether the page is still there.
 const PING: Duration = Duration::from_secs(20);
+/// How long poses wait for a page to say that it has seen the last ones.
+const UNSEEN: Duration = Duration::from_secs(1);
 /// How long a page may take with a message.
 const SLOW: Duration = Duration::from_secs(20);
 
@@ -52,6 +54,9 @@ pub(crate) enum FromPage {
     End { stroke: u32 },
     /// As if nothing had happened.
     Cancel { stroke: u32 },
+    /// The newest poses have come. A page that says so once is sent no more before it has said it again: a page that is
+    /// slower than the solver is then behind by one answer, not by all that wait on the line.
+    Seen,
 }
 
 /// What the page is told.
@@ -89,13 +94,36 @@ async fn serve(app: Arc<App>, socket: WebSocket) {
     let (texts, inbox) = mpsc::channel(64);
     let hello = ToPage::Hello { revision: app.studio.now().1 };
     let _ = texts.send(Message::text(serde_json::to_string(&hello).unwrap_or_default())).await;
-    let writer = tokio::spawn(write(app.clone(), sink, inbox));
-    read(&app, client, stream, &texts).await;
+    let pace = Arc::new(Pace::default());
+    let writer = tokio::spawn(write(app.clone(), sink, inbox, pace.clone()));
+    read(&app, client, stream, &texts, &pace).await;
     drop(texts);
     // A page that is gone has lifted its pen.
     let left = app.clone();
     let _ = tokio::task::spawn_blocking(move || left.studio.end_stroke(client, None)).await;
     writer.abort();
+}
+
+/// How far a page is behind.
+#[derive(Debug, Default)]
+struct Pace {
+    /// Poses were sent that the page has not seen.
+    unseen: AtomicBool,
+    /// The page says when it has seen poses.
+    says: AtomicBool,
+    seen: Notify,
+}
+
+impl Pace {
+    fn see(&self) {
+        self.says.store(true, Ordering::Release);
+        self.unseen.store(false, Ordering::Release);
+        self.seen.notify_one();
+    }
+
+    fn ready(&self) -> bool {
+        !self.says.load(Ordering::Acquire) || !self.unseen.load(Ordering::Acquire)
+    }
 }
 
 /// Places for pages at once.
@@ -108,6 +136,7 @@ async fn read(
     client: u64,
     mut stream: SplitStream<WebSocket>,
     texts: &mpsc::Sender<Message>,
+    pace: &Pace,
 ) {
     let mut drawn = Instant::now();
     let mut mode = StrokeMode::Draw;
@@ -140,6 +169,10 @@ async fn read(
                 message: format!("the message was not understood: {error}"),
                 hint: None,
             }),
+            Ok(FromPage::Seen) => {
+                pace.see();
+                None
+            }
             Ok(said) => {
                 if let FromPage::Begin { mode: begun, .. } = &said {
                     mode = *begun;
@@ -201,6 +234,7 @@ fn act(
             app.studio.cancel_stroke(client, stroke)?;
             Ok(None)
         }
+        FromPage::Seen => Ok(None),
     }
 }
 
@@ -214,24 +248,38 @@ fn pen_point(point: &[Option<f64>]) -> Option<PenPoint> {
 }
 
 /// Sends what is to be said, and the newest poses.
-async fn write(app: Arc<App>, mut sink: SplitSink<WebSocket, Message>, mut inbox: mpsc::Receiver<Message>) {
+async fn write(
+    app: Arc<App>,
+    mut sink: SplitSink<WebSocket, Message>,
+    mut inbox: mpsc::Receiver<Message>,
+    pace: Arc<Pace>,
+) {
     let mut shown = app.studio.solver.shown();
     shown.mark_changed();
     let mut ping = tokio::time::interval(PING);
     loop {
+        let ready = pace.ready();
         let message = tokio::select! {
             biased;
             text = inbox.recv() => match text {
                 Some(text) => text,
                 None => return,
             },
-            changed = shown.changed() => {
+            () = pace.seen.notified(), if !ready => continue,
+            () = tokio::time::sleep(UNSEEN), if !ready => {
+                pace.unseen.store(false, Ordering::Release);
+                continue;
+            }
+            changed = shown.changed(), if ready => {
                 if changed.is_err() {
                     return;
                 }
                 let newest = shown.borrow_and_update().clone();
                 match newest {
-                    Some(Shown::Poses(bytes)) => Message::Binary(Bytes::from_owner(SharedBytes(bytes))),
+                    Some(Shown::Poses(bytes)) => {
+                        pace.unseen.store(true, Ordering::Release);
+                        Message::Binary(Bytes::from_owner(SharedBytes(bytes)))
+                    }
                     Some(Shown::Not { stroke, message, waiting: true }) => {
                         text_of(&ToPage::Waiting { stroke, message })
                     }

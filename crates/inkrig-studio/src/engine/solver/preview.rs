@@ -12,7 +12,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 /// How long newer ink waits for the finer answers to what came before it.
-const PATIENCE: Duration = Duration::from_millis(25);
+const PATIENCE: Duration = Duration::from_millis(10);
 
 /// A clip that is ready to follow.
 pub(super) struct Ready {
@@ -57,7 +57,8 @@ impl Worker {
         let document = &live.document;
         let prepared = self.prepared(document)?;
         let Wishes { control, mut options, .. } = self.wishes(document, &prepared)?;
-        options.threads = self.threads;
+        // The browser that shows it works on the same processor.
+        options.threads = (self.threads / 2).max(1);
         let key = SourceKey::of(document);
         let known = self.live.take().and_then(|mut ready| {
             (ready.source == key && ready.alignment.set_options(&options)).then_some(ready)

@@ -12,7 +12,11 @@ use crate::events::Events;
 use crate::project::Folder;
 use inkrig_align::AlignError;
 use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 use tokio::sync::watch;
+
+/// Between the beginnings of two answers to a pen.
+const PACE: Duration = Duration::from_millis(30);
 
 /// What the thread keeps.
 pub(super) struct Worker {
@@ -41,7 +45,12 @@ impl Worker {
         loop {
             match self.inbox.next() {
                 Task::Stop => return,
-                Task::Live(live) => self.show(&live),
+                Task::Live(live) => {
+                    let begun = Instant::now();
+                    self.show(&live);
+                    // More poses than a page shows would take from it the time to show them.
+                    std::thread::sleep(PACE.saturating_sub(begun.elapsed()));
+                }
                 Task::Job(job) => self.work(job),
             }
         }
