@@ -43,6 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         best_source: &seconds,
         confidence: &confidence,
         guide: None,
+        board: &[],
         figures: &figures,
         notes: &["The first 12 frames of the clip are a rest pose and were left out.".to_owned()],
     });

@@ -43,6 +43,7 @@ pub(crate) fn page(title: &str, alignment: &Alignment, control: &Control, guide:
         best_source: &alignment.best_source,
         confidence: &alignment.confidence,
         guide,
+        board: &[],
         figures: &figures(alignment),
         notes: &alignment.report.notes,
     })

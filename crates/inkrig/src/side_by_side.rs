@@ -43,6 +43,7 @@ impl<'a> SideBySide<'a> {
             best_source: &seconds,
             confidence: &[],
             guide: None,
+            board: &[],
             figures,
             notes,
         })

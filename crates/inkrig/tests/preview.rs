@@ -44,6 +44,7 @@ impl Parts {
             best_source: &self.best,
             confidence: &self.confidence,
             guide: None,
+            board: &[],
             figures,
             notes,
         }

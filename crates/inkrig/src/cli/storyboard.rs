@@ -12,7 +12,8 @@ pub(super) const EXAMPLES: &str = r#"Examples:
       with a picture of what was drawn, what was read, and what was made
   inkrig storyboard kick.json --exact pin --seed 3 --report kick-report.json -o kick.glb
       on the lines that were drawn, another motion than with seed 0, and all that is known of it
-
+  inkrig storyboard kick.json --preview kick.html -o kick.glb
+      with a page that plays the motion beside the drawings
   inkrig storyboard kick.json --onto hero.glb -o hero-kick.glb
       on your own character, with a certificate of how exact it is there
 
@@ -64,6 +65,9 @@ pub struct StoryboardArgs {
     /// Write a picture: every frame's drawing with the joints that were read, and poses of its motion
     #[arg(long, value_name = "FILE.png", value_hint = ValueHint::FilePath)]
     pub sheet: Option<PathBuf>,
+    /// Write a page that plays the motion beside its drawings, with drawn ways and poses in space; it needs no server
+    #[arg(long, value_name = "PAGE.html", value_hint = ValueHint::FilePath)]
+    pub preview: Option<PathBuf>,
     /// Write what was understood and how exactly it is met, as JSON
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
     pub report: Option<PathBuf>,

@@ -1,12 +1,14 @@
 //! One self-contained page that shows a result: the drawn curve with a moving dot, the moving skeleton, and the
 //! plan that says which part of the source clip is used when. It needs no server and loads nothing.
 
+mod board;
 mod digest;
 mod encode;
 mod guide;
 mod payload;
 pub(crate) mod track;
 
+pub use board::{BoardFrame, BoardStroke, BoardWay, Ink};
 pub use guide::{Guide, Part, Spot};
 use inkrig_motion::Clip;
 pub(crate) use payload::normalised;
@@ -32,6 +34,8 @@ pub struct Preview<'a> {
     pub confidence: &'a [f32],
     /// What helps to understand the result; without it the page shows no map.
     pub guide: Option<&'a Guide>,
+    /// The storyboard that the result was made of, instead of the control; empty without.
+    pub board: &'a [BoardFrame],
     /// Figures of the report, in the order they are shown.
     pub figures: &'a [Figure],
     /// Warnings, one sentence each.
@@ -95,6 +99,7 @@ const SCRIPT: &str = concat!(
     include_str!("page/data.js"),
     include_str!("page/colour.js"),
     include_str!("page/curve.js"),
+    include_str!("page/board.js"),
     include_str!("page/plan.js"),
     include_str!("page/map.js"),
     include_str!("page/camera.js"),

@@ -2,6 +2,7 @@
 
 use super::{
     ControlView, HeatMap, Preview,
+    board::BoardData,
     encode::{base64, decimals, shorten},
     guide::GuideData,
     track::Track,
@@ -35,6 +36,8 @@ pub(super) struct Payload {
     best_source: Vec<f64>,
     confidence: Vec<f64>,
     guide: Option<GuideData>,
+    /// Frames of a storyboard; without them a curve or a way is shown.
+    board: Vec<BoardData>,
     heat_map: Heat,
     result: Character,
     source: Character,
@@ -118,6 +121,7 @@ impl Payload {
                 ControlView::Way(_) => Control::Way { points: normalised(points, step) },
             },
             sample_rate: decimals(sample_rate / stride as f64, 6),
+            board: BoardData::of(preview.board),
             guide: preview.guide.map(|guide| GuideData::of(guide, stride)),
             best_source: thinned(preview.best_source, stride, 3),
             confidence: thinned(preview.confidence, stride, 3)

@@ -2,6 +2,7 @@
 
 mod making;
 mod onto;
+mod page;
 mod read;
 mod record;
 mod sheet;
@@ -26,7 +27,7 @@ pub(super) use sheet::png;
 pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
     let format = results::format_of(&args.out)?;
     let named = named_model(args.model.as_ref());
-    let more = || [&args.report, &args.sheet].into_iter().flatten().map(PathBuf::as_path);
+    let more = || [&args.report, &args.sheet, &args.preview].into_iter().flatten().map(PathBuf::as_path);
     let inputs = [Some(&args.board), named.as_ref(), args.onto.as_ref()].into_iter().flatten();
     names::results_differ(inputs.map(PathBuf::as_path), std::iter::once(args.out.as_path()).chain(more()))?;
     run.check_motion(&args.out, &args.sidecar)?;
@@ -59,12 +60,13 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
         humanoid: HUMANOID.map(|(name, joint)| HumanBone { name, joint }).to_vec(),
         ..ExportOptions::default()
     };
-    let moved = match &args.onto {
+    let (moved, certificate) = match &args.onto {
         Some(character) => {
             let _stage = console.stage("carrying the motion over");
-            Some(onto(&made.animation.clip, character, console, &mut warnings)?)
+            let (moved, certificate) = onto(&made.animation.clip, character, console, &mut warnings)?;
+            (Some(moved), Some(certificate))
         }
-        None => None,
+        None => (None, None),
     };
     let written = match &moved {
         Some(moved) => write_motion(&moved.clip, format, &moved.export(format, name))?,
@@ -75,10 +77,15 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     for ((path, clip), frame) in clips.iter().zip(&made.clips).zip(&understood) {
         files.push((path, clip_bytes(clip, &made, format, &export(&frame.plan.word))?));
     }
-    let certificate = moved.map(|moved| moved.certificate);
     let record = Record::of(args, &model, (&understood, &made), certificate, warnings);
     if let Some(path) = &args.report {
         files.push((path, serde_json::to_vec_pretty(&record)?));
+    }
+    if let Some(path) = &args.preview {
+        let shown = moved.as_ref().map(|moved| &moved.clip);
+        let page =
+            page::page(name, &board, (&understood, &made), shown, (&record.figures(), &record.warnings));
+        files.push((path, page.into_bytes()));
     }
     if let Some(path) = &args.sheet {
         files.push((path, png(&board, &understood, &made)?));

@@ -13,11 +13,10 @@ use std::path::Path;
 /// What came of it.
 pub(super) struct Moved {
     pub(super) clip: Clip,
-    pub(super) certificate: CertificateRecord,
     character: Import,
 }
 
-/// Carries an animation over.
+/// Carries an animation over, and says how exact it is there.
 ///
 /// # Errors
 /// When the character is not there, or is not one that a person's motion goes onto.
@@ -26,7 +25,7 @@ pub(super) fn onto(
     path: &Path,
     console: &Console,
     warnings: &mut Vec<String>,
-) -> Result<Moved, CliError> {
+) -> Result<(Moved, CertificateRecord), CliError> {
     let character = motion(path, &ImportArgs::default(), console, warnings)?;
     let options = RetargetOptions {
         keep_feet: true,
@@ -38,7 +37,7 @@ pub(super) fn onto(
     let certificate = Certificate::of(clip, &moved);
     let broken = certificate.broken(&CertificateLimits::default());
     let certificate = CertificateRecord::of(&certificate, &broken);
-    Ok(Moved { clip: moved.clip, certificate, character })
+    Ok((Moved { clip: moved.clip, character }, certificate))
 }
 
 impl Moved {

@@ -4,6 +4,7 @@ use super::Made;
 use crate::cli::{ExactArg, StoryboardArgs};
 use crate::commands::certificate::CertificateRecord;
 use crate::commands::generate::Model;
+use crate::preview::Figure;
 use crate::printable::{self, counted, fixed, json_path};
 use crate::provenance::PROGRAM;
 use crate::span::seconds;
@@ -156,6 +157,33 @@ impl Record {
             certificate,
             warnings,
         }
+    }
+
+    /// For the page.
+    pub(super) fn figures(&self) -> Vec<Figure> {
+        let figure =
+            |name: &str, value: String, note: &str| Figure { name: name.into(), value, note: note.into() };
+        let mut figures = Vec::new();
+        for (at, part) in self.parts.iter().enumerate() {
+            if part.key_frame.is_some() || !part.trajectories.is_empty() {
+                let [mean, most] = part.result.map(|miss| fixed(100.0 * f64::from(miss), 1));
+                figures.push(figure(
+                    &format!(
+                        "Frame {}, {}",
+                        at + 1,
+                        if part.word.is_empty() { "no word" } else { &part.word }
+                    ),
+                    format!("{mean} cm"),
+                    &format!("Mean distance from what was drawn; {most} cm at most."),
+                ));
+            }
+        }
+        let slides = format!("{} %", fixed(100.0 * self.skating, 0));
+        figures.push(figure("Sliding feet", slides, "Share of moments in which a standing foot slides."));
+        if let Some(certificate) = &self.certificate {
+            figures.extend(certificate.figures());
+        }
+        figures
     }
 
     pub(super) fn text(&self) -> String {

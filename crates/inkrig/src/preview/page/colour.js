@@ -4,7 +4,7 @@
 function readTheme() {
   const style = getComputedStyle(document.documentElement);
   const theme = { dark: matchMedia("(prefers-color-scheme: dark)").matches };
-  for (const name of ["panel", "ink", "soft", "line", "grid", "accent", "left", "right", "middle", "shadow"]) {
+  for (const name of ["panel", "ink", "soft", "line", "grid", "accent", "left", "right", "middle", "shadow", "key", "drawn"]) {
     theme[name] = fromHex(style.getPropertyValue(`--${name}`).trim());
   }
   return theme;

@@ -3,7 +3,7 @@
 const element = (id) => document.getElementById(id);
 const data = readData();
 const views = {
-  curve: new CurveView(element("curve"), data),
+  curve: data.board.length > 0 ? new BoardView(element("curve"), data) : new CurveView(element("curve"), data),
   stage: new StageView(element("stage"), data),
   plan: new PlanView(element("plan"), data),
   map: new MapView(element("map"), data),
@@ -31,8 +31,9 @@ function fillTexts() {
   element("time").max = Math.max(data.seconds, 1e-6);
   for (const id of ["time", "play", "back", "next"]) element(id).disabled = !(data.seconds > 0);
   element("ghost").hidden = !views.stage.hasGhost;
-  if (data.control.kind === "way") nameWay();
-  for (const key of document.querySelectorAll(".key")) key.hidden = !data.result.pair;
+  if (data.board.length > 0) nameBoard();
+  else if (data.control.kind === "way") nameWay();
+  for (const key of document.querySelectorAll(".key.left, .key.right")) key.hidden = !data.result.pair;
   document.querySelector(".plan").classList.toggle("empty", data.heatMap.values.length === 0);
   element("ramp").parentElement.hidden = data.bestSource.length === 0;
   element("unsure").hidden = data.confidence.length === 0;
@@ -49,6 +50,15 @@ function nameWay() {
   element("ghost").textContent = "Motion";
   element("ghost").title = "Show the motion that was carried over, in the result's size, beside it (G)";
   element("plan-heading").textContent = "Time";
+}
+
+/** Frames were drawn: there is no clip, and no plan of it. */
+function nameBoard() {
+  element("curve-heading").textContent = "Storyboard";
+  element("curve").setAttribute("aria-label", "The frame of the storyboard that is played now, with the joints that were read.");
+  element("plan-heading").textContent = "Time";
+  document.querySelector(".key.pose").hidden = data.board.every((frame) => frame.key === null);
+  document.querySelector(".key.way").hidden = data.board.every((frame) => frame.ways.length === 0);
 }
 
 function fillReport() {

@@ -33,6 +33,7 @@ class StageView {
     const moment = this.peek ?? sourceAt(this.data, seconds);
     if (ghost && moment !== null) figures.push(this.ghostFigure(source, moment, gap, figures[0]));
     for (const figure of figures) this.drawShadow(context, figure);
+    this.drawBoard(context, seconds);
     this.drawLimbs(context, figures);
     if (figures.length > 1) this.drawLabel(context, figures[1], `clip ${formatSeconds(moment)}`);
     this.spots = this.project(figures[0]);
@@ -48,6 +49,35 @@ class StageView {
     }
     const colour = mix(rampAt(this.table, sourcePart(this.data, moment)), this.theme.panel, 0.42);
     return { character: source, pose, tone: () => colour };
+  }
+
+  /** Of a storyboard: the drawn pose of the frame that is played, in red where it is taken, and drawn ways in green. */
+  drawBoard(context, seconds) {
+    const { board, result } = this.data;
+    if (board.length === 0) return;
+    const now = boardFrameAt(this.data, seconds);
+    board.forEach((frame, i) => {
+      for (const { begins, rate, points } of frame.ways) {
+        context.lineWidth = i === now ? 3 : 1.5;
+        context.strokeStyle = css(this.theme.drawn, i === now ? 1 : 0.35);
+        context.beginPath();
+        for (const point of points) {
+          const spot = this.camera.project(...point);
+          if (spot) context.lineTo(spot.x, spot.y);
+        }
+        context.stroke();
+        const at = points[Math.round((seconds - begins) * rate)];
+        const spot = i === now && at ? this.camera.project(...at) : null;
+        context.fillStyle = css(this.theme.drawn);
+        if (spot) disc(context, [spot.x, spot.y], 5);
+      }
+    });
+    const { key } = board[now];
+    if (key === null) return;
+    const pose = poseAt(result.track, key, originAt(result.track, key));
+    context.globalAlpha = Math.abs(seconds - key) < 0.06 ? 1 : 0.4;
+    this.drawLimbs(context, [{ character: result, pose, tone: () => this.theme.key }]);
+    context.globalAlpha = 1;
   }
 
   project({ character, pose }) {

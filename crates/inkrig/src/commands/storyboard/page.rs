@@ -1,0 +1,105 @@
+//! The page of a storyboard: the frame that is played, and the motion with what was drawn in space.
+
+use super::Made;
+use crate::preview::{self, BoardFrame, BoardStroke, BoardWay, ControlView, Figure, HeatMap, Ink, Preview};
+use inkrig_motion::Clip;
+use inkrig_motion::glam::Vec3;
+use inkrig_motion::humanml::{FRAME_RATE, Joints};
+use inkrig_motion::kinematics;
+use inkrig_sketch::storyboard::{Frame, Storyboard, Stroke};
+use inkrig_storyboard::{Goal, Source, Understood};
+
+/// The page as HTML. `shown` is the motion on a character of the user's, if there is one: ways are not drawn beside that, as it has
+/// another size.
+pub(super) fn page(
+    title: &str,
+    board: &Storyboard,
+    (understood, made): (&[Understood], &Made),
+    shown: Option<&Clip>,
+    (figures, notes): (&[Figure], &[String]),
+) -> String {
+    let clip = shown.unwrap_or(&made.animation.clip);
+    let motion: Vec<Joints> = {
+        let places = kinematics::positions(&made.animation.clip);
+        (0..made.animation.clip.frames()).filter_map(|frame| places.frame(frame).try_into().ok()).collect()
+    };
+    let frames: Vec<BoardFrame> = board
+        .frames
+        .iter()
+        .zip(understood)
+        .enumerate()
+        .map(|(row, (frame, read))| {
+            let ways = if shown.is_none() { ways(row, made, &motion) } else { Vec::new() };
+            board_frame(row, frame, read, made, ways)
+        })
+        .collect();
+    let way: Vec<[f64; 2]> =
+        motion.iter().map(|pose| [f64::from(pose[0].x), f64::from(-pose[0].z)]).collect();
+    preview::render(&Preview {
+        title,
+        result: clip,
+        source: clip,
+        control: ControlView::Way(&way),
+        control_rate: FRAME_RATE,
+        heat_map: HeatMap::default(),
+        best_source: &[],
+        confidence: &[],
+        guide: None,
+        board: &frames,
+        figures,
+        notes,
+    })
+}
+
+fn board_frame(row: usize, frame: &Frame, read: &Understood, made: &Made, ways: Vec<BoardWay>) -> BoardFrame {
+    let begins = made.animation.joined.starts.get(row).copied().unwrap_or(0);
+    let (length, key) = made
+        .clips
+        .get(row)
+        .map_or((0, None), |clip| (clip.plan.frames, clip.plan.keypose.as_ref().map(|(frame, _)| *frame)));
+    let seconds = |frame: usize| frame as f64 / FRAME_RATE;
+    let lines = |ink: Ink, strokes: &[Stroke]| -> Vec<BoardStroke> {
+        strokes.iter().map(|stroke| BoardStroke { ink, points: stroke.points.clone() }).collect()
+    };
+    let drawn_ways: Vec<Stroke> = frame.trajectories.iter().map(|way| way.points.clone()).collect();
+    let strokes = [
+        lines(Ink::Scene, &frame.scene),
+        lines(Ink::Body, &frame.body),
+        lines(Ink::Way, &drawn_ways),
+        lines(Ink::Speed, &frame.speed_lines),
+        lines(Ink::Word, &frame.lettering),
+    ];
+    BoardFrame {
+        word: read.plan.word.clone(),
+        seconds: [seconds(begins), seconds(begins + length)],
+        key: key.map(|frame| seconds(begins + frame)),
+        strokes: strokes.concat(),
+        joints: read
+            .figure
+            .iter()
+            .flat_map(|figure| figure.joints.iter().flatten())
+            .map(|found| found.at)
+            .collect(),
+        ways,
+    }
+}
+
+/// Drawn ways in space: a drawing says nothing of how far away they are, so each place is as far as its joint.
+fn ways(row: usize, made: &Made, motion: &[Joints]) -> Vec<BoardWay> {
+    let (Some(goals), Some(clip)) = (made.animation.goals.get(row), made.clips.get(row)) else {
+        return Vec::new();
+    };
+    let place = |goal: &Goal| -> Option<[f32; 3]> {
+        let own: Vec3 = *motion.get(goal.frame)?.get(goal.joint)?;
+        let miss = goal.miss(own);
+        Some((own - goal.axes[0] * miss.x - goal.axes[1] * miss.y).to_array())
+    };
+    let joints = clip.plan.ways.iter().map(|(joint, ..)| *joint);
+    joints
+        .filter_map(|joint| {
+            let own = || goals.iter().filter(|goal| goal.source == Source::Way && goal.joint == joint);
+            let begins = own().map(|goal| goal.frame).min()? as f64 / FRAME_RATE;
+            Some(BoardWay { begins, rate: FRAME_RATE, points: own().filter_map(place).collect() })
+        })
+        .collect()
+}
