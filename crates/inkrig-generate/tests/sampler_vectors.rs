@@ -31,7 +31,8 @@ fn conditions(vectors: &Vectors) -> Vec<Conditions> {
                 let place = Vec3::from_slice(&asked[3 * (clip * 40 * 22 + at)..]);
                 Ask { frame: at / 22, joint: at % 22, place }
             });
-            let target = Target { view: View::Plane(Camera::default()), asks: asks.collect() };
+            let target =
+                Target { view: View::Plane(Camera::default()), asks: asks.collect(), depths: Vec::new() };
             Conditions::from_tables(
                 40,
                 text[clip * 768..][..768].to_vec(),
@@ -112,7 +113,7 @@ fn guidance_has_the_stored_loss_and_gradient_and_comes_as_far() {
                 let asks = (0..40 * 22).filter(|at| mask[clip * 40 * 22 + at] != 0.0);
                 let place = |at: usize| Vec3::from_slice(&asked[3 * (clip * 40 * 22 + at)..]);
                 let asks = asks.map(|at| Ask { frame: at / 22, joint: at % 22, place: place(at) });
-                Target { view, asks: asks.collect() }
+                Target { view, asks: asks.collect(), depths: Vec::new() }
             })
             .collect()
     };
@@ -170,7 +171,7 @@ fn fifty_steps_with_weighted_text_are_the_stored_ones() {
     let no_text = vectors.numbers("ddim_cfg_text_uncond");
     let sampler = Sampler { networks: &NETWORKS, features: &features, no_text: &no_text };
     let options = SamplingOptions { steps: Steps::Ddim(50), guidance: None, ..SamplingOptions::default() };
-    let target = Target { view: View::Space, asks: Vec::new() };
+    let target = Target { view: View::Space, asks: Vec::new(), depths: Vec::new() };
     let conditions: Vec<_> = (text.chunks_exact(768))
         .map(|text| {
             let (rows, target) = (Vec::new(), target.clone());

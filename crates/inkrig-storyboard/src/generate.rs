@@ -157,7 +157,9 @@ impl Maker<'_> {
         options: &MakerOptions,
     ) -> Result<Conditions, GenerateError> {
         let (text, view) = (text.to_vec(), View::Plane(plan.camera));
-        let all = Target { view, asks: if options.drawn { plan.asks() } else { Vec::new() } };
+        let (asks, depths) =
+            if options.drawn { (plan.asks(), plan.over_ground()) } else { (Vec::new(), Vec::new()) };
+        let all = Target { view, asks, depths: depths.clone() };
         let known = plan.usual_view && self.networks.follows(Domain::Plane);
         if all.asks.is_empty() || !known {
             return Conditions::from_tables(frames, text, Domain::Space, Vec::new(), None, all);
@@ -166,7 +168,8 @@ impl Maker<'_> {
         let pose_is_told = |ask: &Ask| keypose.is_some_and(|_| !plan.on_way(ask));
         let trajectory = all.asks.iter().filter(|ask| !pose_is_told(ask)).copied().collect();
         let request = Request { frames, text, view, trajectory, keypose };
-        Ok(Conditions::new(&request, self.places, options.sampling.semantics)?.guided_to(all))
+        let told = Conditions::new(&request, self.places, options.sampling.semantics)?;
+        Ok(told.guided_to(all).at_depths(&depths))
     }
 }
 

@@ -12,6 +12,7 @@ mod error;
 mod exact;
 mod figure;
 mod generate;
+mod ground;
 mod joints;
 mod page;
 mod picture;

@@ -71,7 +71,7 @@ pub fn blend(
     let asks = kept.flat_map(|frame| {
         local[frame].iter().enumerate().map(move |(joint, &place)| Ask { frame, joint, place })
     });
-    let target = Target { view: View::Space, asks: asks.collect() };
+    let target = Target { view: View::Space, asks: asks.collect(), depths: Vec::new() };
     let conditions = Conditions::from_tables(frames, text.to_vec(), Domain::Space, Vec::new(), None, target)?;
     let sampling = SamplingOptions {
         steps: Steps::Ddim(options.steps),

@@ -377,7 +377,7 @@ mod tests {
         let second = Method::SecondOrder { options: LbfgsOptions::default(), early: 1, late: 2 };
         let first = |spare_first| Method::FirstOrder { steps: 10, rate: 1.0, spare_first };
         for view in [View::Space, View::Plane(Camera::default())] {
-            let target = Target { view, asks: asks.clone() };
+            let target = Target { view, asks: asks.clone(), depths: Vec::new() };
             let clips =
                 [GuidedClip { target: &target, frames: 8 }, GuidedClip { target: &target, frames: 12 }];
             for (variable, method, mean) in [
@@ -408,7 +408,7 @@ mod tests {
         let vae = Vae::new(&sizes, &hashed(&sizes, Parts::VAE)).unwrap();
         let statistics = Statistics::new(vec![0.0; WIDTH], vec![0.05; WIDTH]).unwrap();
         let ask = |frame| Ask { frame, joint: 15, place: Vec3::new(0.1, 0.1, 0.05) };
-        let target = Target { view: View::Space, asks: (0..12).map(ask).collect() };
+        let target = Target { view: View::Space, asks: (0..12).map(ask).collect(), depths: Vec::new() };
         let clips = [GuidedClip { target: &target, frames: 12 }];
         let mut guide = Guide::new(&vae, &statistics, &clips);
         let before = Noise::new(1).normals(sizes.width);
@@ -433,7 +433,7 @@ mod tests {
         let sizes = Sizes::tiny();
         let vae = Vae::new(&sizes, &hashed(&sizes, Parts::VAE)).unwrap();
         let statistics = Statistics::new(vec![0.0; WIDTH], vec![1.0; WIDTH]).unwrap();
-        let target = Target { view: View::Space, asks: Vec::new() };
+        let target = Target { view: View::Space, asks: Vec::new(), depths: Vec::new() };
         let mut guide = Guide::new(&vae, &statistics, &[GuidedClip { target: &target, frames: 8 }]);
         assert!(guide.loss(&[0.0; 15], Mean::Asked, &mut [0.0; 15]).is_err());
         assert_eq!(guide.loss(&[0.0; 16], Mean::Asked, &mut [0.0; 16]).unwrap(), 0.0);

@@ -43,6 +43,17 @@ pub(crate) fn seen_part(view: View, by: Vec3) -> Vec3 {
     }
 }
 
+/// What of a way is away from the camera, or towards it.
+pub(crate) fn away(view: View, by: Vec3) -> Vec3 {
+    match view {
+        View::Space => Vec3::ZERO,
+        View::Plane(camera) => {
+            let axis = camera.view_from_world().row(2);
+            axis * axis.dot(by)
+        }
+    }
+}
+
 /// From the gradient of [`of_pose`] to that of the joints before they were [`augment`]ed.
 pub(crate) fn of_pose_back(view: View, grad: &[f32]) -> Joints {
     let mut of = [Vec3::ZERO; JOINTS];

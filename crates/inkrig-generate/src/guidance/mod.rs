@@ -9,7 +9,7 @@ mod target;
 
 pub use guide::{GuidanceOptions, Guide, Guided, GuidedClip, Method, Variable};
 pub use lbfgs::{Lbfgs, LbfgsOptions, Objective};
-pub(crate) use missing::{between, of_pose, of_pose_back, seen_part};
+pub(crate) use missing::{away, between, of_pose, of_pose_back, seen_part};
 pub(crate) use places::Places;
 pub use settle::SettleOptions;
 pub use target::{Ask, Mean, Target, View};

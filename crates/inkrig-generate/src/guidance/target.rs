@@ -10,6 +10,9 @@ pub struct Target {
     pub view: View,
     /// Places of joints, in any order. Frames beyond the clip do not count.
     pub asks: Vec<Ask>,
+    /// On the picture: where in the world joints shall be, of which only how far away that is counts. A picture alone does not say whether what
+    /// comes down on it comes near.
+    pub depths: Vec<Ask>,
 }
 
 /// How a target is looked at.
@@ -51,6 +54,11 @@ impl View {
 }
 
 impl Target {
+    /// Where in the world a joint shall be, as far as its distance goes.
+    pub(crate) fn depth(&self, frame: usize, joint: usize) -> Option<Vec3> {
+        self.depths.iter().find(|ask| (ask.frame, ask.joint) == (frame, joint)).map(|ask| ask.place)
+    }
+
     /// Asks that a clip of that many frames can meet.
     fn met_by(&self, frames: usize) -> impl Iterator<Item = &Ask> {
         self.asks.iter().filter(move |ask| ask.frame < frames && ask.joint < JOINTS)
@@ -102,6 +110,23 @@ impl Target {
                 gradient[at + axis] += factor * off[axis];
             }
             sum += if squared { square } else { square.sqrt() };
+        }
+        sum + self.away(joints, squared, weight, gradient)
+    }
+
+    /// The same of how far away joints are; adds to the gradient.
+    fn away(&self, joints: &[f64], squared: bool, weight: f64, gradient: &mut [f64]) -> f64 {
+        let View::Plane(camera) = &self.view else { return 0.0 };
+        let axis = camera.view_from_world().row(2).as_dvec3().to_array();
+        let frames = joints.len() / (3 * JOINTS);
+        let mut sum = 0.0;
+        for ask in self.depths.iter().filter(|ask| ask.frame < frames && ask.joint < JOINTS) {
+            let at = 3 * (ask.frame * JOINTS + ask.joint);
+            let wanted = ask.place.as_dvec3().to_array();
+            let off: f64 = (0..3).map(|k| axis[k] * (joints[at + k] - wanted[k])).sum();
+            let factor = weight * if squared { 2.0 * off } else { off.signum() };
+            (0..3).for_each(|k| gradient[at + k] += factor * axis[k]);
+            sum += if squared { off * off } else { off.abs() };
         }
         sum
     }

@@ -91,7 +91,7 @@ impl Conditions {
             None => None,
         };
         let pose = request.keypose;
-        let target = Target { view: request.view, asks: request.trajectory.clone() };
+        let target = Target { view: request.view, asks: request.trajectory.clone(), depths: Vec::new() };
         let (frames, text) = (request.frames, request.text.clone());
         Ok(Self { frames, text, domain, trajectory, keypose, target, guide: None, pose })
     }
@@ -114,6 +114,15 @@ impl Conditions {
             }
             None => Ok(Self { frames, text, domain, trajectory, keypose, target, guide: None, pose: None }),
         }
+    }
+
+    /// The same, with how far away joints shall be, see [`Target::depths`].
+    pub fn at_depths(mut self, depths: &[Ask]) -> Self {
+        self.target.depths = depths.to_vec();
+        if let Some(guide) = &mut self.guide {
+            guide.depths = depths.to_vec();
+        }
+        self
     }
 
     /// The same, with another target for guidance: one that has joints of the key pose too, say.

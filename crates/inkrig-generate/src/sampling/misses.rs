@@ -2,7 +2,7 @@
 
 use super::Conditions;
 use crate::GenerateError;
-use crate::guidance::{Places, between, of_pose, of_pose_back, seen_part};
+use crate::guidance::{Places, away, between, of_pose, of_pose_back, seen_part};
 use crate::networks::{Decoding, MISSED, Vae, missed, missed_back};
 use inkrig_motion::glam::Vec3;
 use inkrig_motion::humanml::{JOINTS, Statistics, WIDTH, augment};
@@ -65,7 +65,9 @@ impl Misses {
             };
             let view = own.target.view;
             for ((frame, joint, _), of) in asks.iter().zip(of_asks) {
-                add(*frame, *joint, -seen_part(view, Vec3::from_array(of)));
+                let of = Vec3::from_array(of);
+                let away = own.target.depth(*frame, *joint).map_or(Vec3::ZERO, |_| away(view, of));
+                add(*frame, *joint, -(seen_part(view, of) + away));
             }
             if let Some((frame, _)) = &own.pose {
                 for (joint, by) in of_pose_back(view, &of_pose).into_iter().enumerate() {
@@ -90,7 +92,9 @@ fn ways(own: &Conditions, joints: &[f64]) -> Ways {
     let view = own.target.view;
     let asks = own.target.asks.iter().filter(|ask| ask.joint < JOINTS && ask.frame < own.frames);
     let missed_by = asks.filter_map(|ask| {
-        let by = between(view, place(ask.frame, ask.joint)?, ask.place);
+        let now = place(ask.frame, ask.joint)?;
+        let depth = own.target.depth(ask.frame, ask.joint);
+        let by = between(view, now, ask.place) + depth.map_or(Vec3::ZERO, |wanted| away(view, wanted - now));
         Some((ask.frame, ask.joint, by.to_array()))
     });
     let pose = own.pose.as_ref().and_then(|(frame, wanted)| {
