@@ -51,7 +51,8 @@ impl Bench {
         let row = |seed: usize| Noise::new(seed as u64).normals(66);
         let asks =
             (0..35).map(|frame| Ask { frame, joint: 10, place: Vec3::new(0.1, 0.2, 0.01 * frame as f32) });
-        let target = Target { view: View::Plane(Camera::default()), asks: asks.collect(), depths: Vec::new() };
+        let target =
+            Target { view: View::Plane(Camera::default()), asks: asks.collect(), depths: Vec::new() };
         let rows = (0..FRAMES).map(|frame| (frame, row(frame))).collect();
         let text = Noise::new(100).normals(sizes.text_width);
         let keypose = Some((0, row(200)));
@@ -100,7 +101,8 @@ impl Bench {
     fn evaluate(&self) -> f64 {
         let asks =
             (0..35).map(|frame| Ask { frame, joint: 10, place: Vec3::new(0.1, 0.2, 0.01 * frame as f32) });
-        let target = Target { view: View::Plane(Camera::default()), asks: asks.collect(), depths: Vec::new() };
+        let target =
+            Target { view: View::Plane(Camera::default()), asks: asks.collect(), depths: Vec::new() };
         let clips = [GuidedClip { target: &target, frames: FRAMES }];
         let mut guide = Guide::new(&self.networks.vae, &self.features, &clips);
         let (latent, mut gradient) = (Noise::new(1).normals(256), vec![0.0; 256]);

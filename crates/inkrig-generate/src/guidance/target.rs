@@ -146,3 +146,39 @@ fn rows(camera: &Camera) -> [[f64; 3]; 2] {
     let view = camera.view_from_world();
     [view.row(0).as_dvec3().to_array(), view.row(1).as_dvec3().to_array()]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gradient_is_that_of_the_distance_in_space_on_the_picture_and_away_from_it() {
+        let ask = |frame, joint, x| Ask { frame, joint, place: Vec3::new(x, 0.4, -0.3) };
+        let joints: Vec<f64> = (0..3 * 3 * JOINTS).map(|i| (i as f64 * 0.7).sin()).collect();
+        let camera = Camera::new(0.35, 0.5);
+        let depths = vec![ask(1, 0, 0.9), ask(2, 20, 0.1), ask(7, 0, 0.0)];
+        for (view, depths) in
+            [(View::Space, Vec::new()), (View::Plane(camera), Vec::new()), (View::Plane(camera), depths)]
+        {
+            let target = Target { view, asks: vec![ask(0, 10, 0.2), ask(1, 0, 0.5)], depths };
+            for squared in [true, false] {
+                let mut gradient = Vec::new();
+                target.distance(&joints, squared, 0.5, &mut gradient);
+                let value = |joints: &[f64]| 0.5 * target.distance(joints, squared, 0.5, &mut Vec::new());
+                for place in 0..joints.len() {
+                    let moved = |by: f64| {
+                        let mut joints = joints.clone();
+                        joints[place] += by;
+                        value(&joints)
+                    };
+                    let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+                    assert!(
+                        (slope - gradient[place]).abs() < 1e-6,
+                        "{view:?} {place}: {slope} {}",
+                        gradient[place]
+                    );
+                }
+            }
+        }
+    }
+}

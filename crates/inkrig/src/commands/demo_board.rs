@@ -2,7 +2,7 @@
 
 use super::demo_files::DemoFiles;
 use super::generate::{HUMANOID, Model};
-use super::storyboard::{Settings, frames, make, png};
+use super::storyboard::{Settings, frames, make, page as board_page, png};
 use crate::cli::{BlendArg, ExactArg};
 use crate::console::Console;
 use crate::error::CliError;
@@ -13,8 +13,9 @@ use inkrig_sketch::storyboard::read_storyboard;
 
 /// Which one.
 const NAME: &str = "dance";
-/// The motion and the sheet.
-pub(super) const RESULTS: [&str; 2] = ["dance-storyboard.bvh", "dance-storyboard.png"];
+/// The motion, the page and the sheet.
+pub(super) const RESULTS: [&str; 3] =
+    ["dance-storyboard.bvh", "dance-storyboard.html", "dance-storyboard.png"];
 
 pub(super) fn sample() -> Option<&'static Sample> {
     inkrig_samples::storyboards().iter().find(|sample| sample.name == NAME)
@@ -47,12 +48,16 @@ pub(super) fn make_board(
         humanoid: HUMANOID.map(|(name, joint)| HumanBone { name, joint }).to_vec(),
         ..ExportOptions::default()
     };
-    let [motion, sheet] = RESULTS;
+    let [motion, page, sheet] = RESULTS;
     files.write(motion, &write_motion(&made.animation.clip, Format::Bvh, &export)?.bytes)?;
+    let read = (&understood[..], &made);
+    let html = board_page(&board.title, &board, read, None, (&[], &[]));
+    files.write(page, html.as_bytes())?;
     files.write(sheet, &png(&board, &understood, &made)?)?;
     console.say(format!(
-        "wrote {} and {}: three drawn frames as one motion",
+        "wrote {}, {} and {}: three drawn frames as one motion",
         printable::path(&files.path(motion)),
+        printable::path(&files.path(page)),
         printable::path(&files.path(sheet))
     ))?;
     Ok(())

@@ -16,7 +16,7 @@ fn a_storyboard_becomes_a_motion_with_all_that_is_known_of_it() {
     let arguments = |out: &'static str| {
         ["storyboard", "kick.json", "-o", out, "--candidates", "1", "--guide-every", "25", "--exact", "pin"]
     };
-    let more = ["--clips", "--sheet", "kick.png", "--report", "kick-report.json"];
+    let more = ["--clips", "--sheet", "kick.png", "--report", "kick-report.json", "--preview", "kick.html"];
     let output = inkrig(&folder, &[&arguments("kick.bvh")[..], &more[..]].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert!(text(&output.stdout).contains("way of right_foot"), "{}", text(&output.stdout));
@@ -26,6 +26,13 @@ fn a_storyboard_becomes_a_motion_with_all_that_is_known_of_it() {
     assert_eq!((&part["word"], &part["trajectories"][0]["figure"]), (&"kick".into(), &"start".into()));
     let [sampled, result] = ["sampled", "result"].map(|name| part[name][0].as_f64().unwrap());
     assert!(result < 0.01 && result < 0.3 * sampled, "{sampled} {result}");
+    let page = std::fs::read_to_string(folder.join("kick.html")).unwrap();
+    let data = page.split_once("id=\"data\">").unwrap().1.split_once("</script>").unwrap().0;
+    let data: serde_json::Value = serde_json::from_str(data).unwrap();
+    let frame = &data["board"][0];
+    let way = frame["ways"][0]["points"].as_array().unwrap();
+    assert!(frame["key"] == 0.0 && way.len() > 10 && way[0].as_array().unwrap().len() == 3, "{frame}");
+    assert!(frame["strokes"].as_array().unwrap().iter().any(|stroke| stroke[0] == "way"));
     for name in ["kick-1.bvh", "kick.png", "kick.bvh.inkrig.json"] {
         assert!(folder.join(name).exists(), "{name}");
     }

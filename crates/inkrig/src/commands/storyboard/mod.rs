@@ -22,6 +22,7 @@ use record::Record;
 use std::path::{Path, PathBuf};
 
 pub(super) use making::{Made, Settings, frames, make};
+pub(super) use page::page;
 pub(super) use sheet::png;
 
 pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
@@ -83,8 +84,7 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     }
     if let Some(path) = &args.preview {
         let shown = moved.as_ref().map(|moved| &moved.clip);
-        let page =
-            page::page(name, &board, (&understood, &made), shown, (&record.figures(), &record.warnings));
+        let page = page(name, &board, (&understood, &made), shown, (&record.figures(), &record.warnings));
         files.push((path, page.into_bytes()));
     }
     if let Some(path) = &args.sheet {

@@ -11,7 +11,7 @@ use inkrig_storyboard::{Goal, Source, Understood};
 
 /// The page as HTML. `shown` is the motion on a character of the user's, if there is one: ways are not drawn beside that, as it has
 /// another size.
-pub(super) fn page(
+pub(in crate::commands) fn page(
     title: &str,
     board: &Storyboard,
     (understood, made): (&[Understood], &Made),
