@@ -36,6 +36,7 @@ import { tunePanel } from './panels/tune';
 import { toggleView, viewbar } from './panels/viewbar';
 import { Timeline } from './timeline/timeline';
 import { Character } from './viewport/character';
+import { duration, type Motion } from './viewport/motion';
 import { Stage } from './viewport/stage';
 
 startScheme();
@@ -79,7 +80,7 @@ function start(session: Session): void {
     { name: 'map', text: 'Map', panel: mapPanel(session, ui, carry) },
     { name: 'tune', text: 'Adjust', panel: tunePanel(session, controls) },
     { name: 'report', text: 'Report', panel: reportPanel(session) },
-    { name: 'files', text: 'Files', panel: filesPanel(session, files, { pick, character: character.chosen }) },
+    { name: 'files', text: 'Files', panel: filesPanel(session, files, { pick, character: character.chosen, beside: ui.beside }) },
   ]);
   boards();
   watch();
@@ -116,6 +117,7 @@ function start(session: Session): void {
 
   /** What the viewport shows follows from the result, the time, and what is pointed at. */
   function watch(): void {
+    let beside: Motion | null = null;
     const sourceFrame = () => {
       const used = session.used.value;
       if (!used || used.frames.length === 0) return 0;
@@ -123,7 +125,8 @@ function start(session: Session): void {
     };
     const seek = () => {
       const found = session.source.value.find(sourceFrame());
-      stage.seek(session.player.seconds.value, found ? found.frame / found.part.motion.rate : 0);
+      const whole = beside ? duration(beside) : 0;
+      stage.seek(session.player.seconds.value, whole > 0 ? session.player.seconds.value % whole : found ? found.frame / found.part.motion.rate : 0);
       say();
     };
     const say = calm(() => session.live.active !== 0, () => {
@@ -134,9 +137,24 @@ function start(session: Session): void {
       if (motion) stage.show(motion);
       seek();
     });
-    session.source.watch((source) => {
-      stage.showSource(source.parts[0]?.motion ?? null);
+    const compare = () => {
+      stage.showSource(beside ?? session.source.value.parts[0]?.motion ?? null);
+      seek();
+    };
+    session.source.watch(() => {
+      compare();
       stage.frame();
+    });
+    ui.beside.subscribe(async (id) => {
+      const motion = id ? (await session.clip(id)).motion : null;
+      if (id !== ui.beside.value) return;
+      beside = motion;
+      compare();
+      if (beside && !stage.view.compare) toggleView(stage, 'compare');
+      else stage.frame();
+    });
+    session.store.document.subscribe(({ clips }) => {
+      if (ui.beside.value && !clips.some((clip) => clip.id === ui.beside.value)) ui.beside.value = null;
     });
     session.player.seconds.watch(seek);
     session.used.subscribe(seek);

@@ -65,8 +65,8 @@ export async function startBrowser(chromium, more = []) {
 }
 
 /** A page that remembers every warning, error and request that leaves the program. */
-export async function openPage(browser, address, { size = { width: 1440, height: 900 }, scheme = 'dark', guided = true } = {}) {
-  const context = await browser.newContext({ viewport: size, colorScheme: scheme, acceptDownloads: true });
+export async function openPage(browser, address, { size = { width: 1440, height: 900 }, scheme = 'dark', guided = true, device = {} } = {}) {
+  const context = await browser.newContext({ viewport: size, colorScheme: scheme, acceptDownloads: true, ...device });
   const page = await context.newPage();
   page.setDefaultTimeout(60_000);
   const problems = [];
@@ -86,6 +86,32 @@ export async function openPage(browser, address, { size = { width: 1440, height:
   await page.locator('#status .spring').waitFor({ state: 'attached' });
   await page.waitForFunction(() => /Saved/.test(document.querySelector('#status')?.textContent ?? ''));
   return { page, context, problems, state };
+}
+
+/** Saves what the page downloads when `act` is done. */
+export async function saved(page, path, act) {
+  const [got] = await Promise.all([page.waitForEvent('download'), act()]);
+  await got.saveAs(path);
+}
+
+/** Runs the steps of a test by name; where one fails, says what `tell` knows and takes pictures of the open pages. */
+export function stepper(browser, pictures, wanted, tell) {
+  return async (name, work) => {
+    if (!wanted(name)) return;
+    const begin = Date.now();
+    try {
+      await work();
+      console.log(`ok    ${name} (${((Date.now() - begin) / 1000).toFixed(1)} s)`);
+    } catch (error) {
+      console.error(`FAILED ${name}`);
+      console.error(...(await tell().catch((problem) => [String(problem)])));
+      for (const page of browser.contexts().flatMap((context) => context.pages())) {
+        console.error(await page.locator('.toast').allInnerTexts());
+        await page.screenshot({ path: picture(pictures, 'failed') });
+      }
+      throw error;
+    }
+  };
 }
 
 /** Draws with a pen whose pressure changes; `places` are parts (0 to 1) of an element. */

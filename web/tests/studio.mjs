@@ -11,7 +11,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
 
-import { beat, dropFiles, finished, KEEP_DOWN, openPage, penStroke, picture, rest, spiral, startBrowser, startStudio, until, violations } from './driver.mjs';
+import { beat, dropFiles, finished, KEEP_DOWN, openPage, penStroke, picture, rest, saved, spiral, startBrowser, startStudio, stepper, until, violations } from './driver.mjs';
 
 const [chromium, program, pictures] = process.argv.slice(2);
 if (!pictures) {
@@ -26,6 +26,9 @@ let studio = await startStudio(program, join(folder, 'project'));
 let failures = 0;
 /** Words in the console, to be told when a step fails. */
 let seen = [];
+
+const begins = (name) => name.startsWith('the first') || name.startsWith('a pen');
+const step = stepper(browser, pictures, (name) => new RegExp(only).test(name) || begins(name), async () => [seen, await solved()]);
 
 const history = async () => (await (await fetch(new URL('api/project', studio.address))).json());
 const doc = async () => (await history()).document;
@@ -247,9 +250,8 @@ try {
     await page.screenshot({ path: picture(pictures, 'export-dark-1440') });
     for (const format of ['bvh', 'glb']) {
       await page.getByLabel('Format').selectOption(format);
-      const [got] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Save file' }).click()]);
       const path = join(folder, `out.${format}`);
-      await got.saveAs(path);
+      await saved(page, path, () => page.getByRole('button', { name: 'Save file' }).click());
       const said = execFileSync(program, ['inspect', path], { encoding: 'utf8' });
       assert.match(said, /frames/i);
     }
@@ -282,9 +284,8 @@ try {
     await page.locator('dialog[open] table').scrollIntoViewIfNeeded();
     await page.screenshot({ path: picture(pictures, 'certificate-dark-1440') });
     await page.getByLabel('Format').selectOption('glb');
-    const [got] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Save file' }).click()]);
     const path = join(folder, 'hero-out.glb');
-    await got.saveAs(path);
+    await saved(page, path, () => page.getByRole('button', { name: 'Save file' }).click());
     assert.match(execFileSync(program, ['inspect', path], { encoding: 'utf8' }), /frames/i);
     assert.ok(readFileSync(path).length > readFileSync(file).length, 'no copy of the character with a clip more');
     await page.keyboard.press('Escape');
@@ -375,23 +376,6 @@ try {
   rmSync(folder, { recursive: true, force: true });
 }
 process.exitCode = failures === 0 ? 0 : 1;
-
-async function step(name, work) {
-  if (only && !new RegExp(only).test(name) && !name.startsWith('the first') && !name.startsWith('a pen')) return;
-  const begin = Date.now();
-  try {
-    await work();
-    console.log(`ok    ${name} (${((Date.now() - begin) / 1000).toFixed(1)} s)`);
-  } catch (error) {
-    console.error(`FAILED ${name}`);
-    console.error(seen, await solved().catch(String));
-    for (const other of browser.contexts().flatMap((context) => context.pages())) {
-      console.error(await other.locator('.toast').allInnerTexts());
-      await other.screenshot({ path: picture(pictures, 'failed') });
-    }
-    throw error;
-  }
-}
 
 async function drag(page, handle, target, fx, fy) {
   const from = await handle.boundingBox();

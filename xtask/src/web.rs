@@ -54,7 +54,11 @@ fn run(context: &Context, npm: &Path, script: &str) -> Result<PathBuf> {
 pub(crate) fn check(context: &Context) -> Result<Verdict> {
     let pictures = context.target()?.join("studio");
     demo::empty(&pictures)?;
-    driven(context, "studio.mjs", &[&pictures.to_string_lossy()])
+    let pictures = pictures.to_string_lossy();
+    match driven(context, "studio.mjs", &[&pictures])? {
+        Verdict::Passed => driven(context, "watching.mjs", &[&pictures]),
+        other => Ok(other),
+    }
 }
 
 /// Draws at random for some minutes.

@@ -15,6 +15,12 @@ export function fromHex(text: string): Rgb {
   return [(number >> 16) & 255, (number >> 8) & 255, number & 255];
 }
 
+/** Black or white, whichever is easier to read on a colour (WCAG 2.2, relative luminance). */
+export function textOn([r, g, b]: Rgb): string {
+  const [lr, lg, lb] = [r, g, b].map((value) => (value <= 10.3 ? value / 3294.6 : ((value / 255 + 0.055) / 1.055) ** 2.4)) as [number, number, number];
+  return 0.2126 * lr + 0.7152 * lg + 0.0722 * lb > 0.179 ? '#0f1012' : '#ffffff';
+}
+
 export function blend(from: Rgb, to: Rgb, part: number): Rgb {
   return [mix(from[0], to[0], part), mix(from[1], to[1], part), mix(from[2], to[2], part)];
 }

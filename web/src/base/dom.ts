@@ -69,6 +69,11 @@ export function calm(busy: () => boolean, draw: () => void): () => void {
   };
 }
 
+/** Whether somebody asked their system for less motion: then nothing plays by itself. */
+export function wantsCalm(): boolean {
+  return matchMedia('(prefers-reduced-motion: reduce)').matches;
+}
+
 /** Calls `resized` whenever an element gets another size. */
 export function onResize(element: Element, resized: () => void): void {
   new ResizeObserver(resized).observe(element);

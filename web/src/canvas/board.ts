@@ -1,5 +1,5 @@
 import type { LivePoint } from '../api/live';
-import { fit, onResize, painter } from '../base/dom';
+import { fit, onResize, painter, wantsCalm } from '../base/dom';
 import type { Vec2 } from '../base/maths';
 import { theme } from '../base/theme';
 import { boundsOf, boundsOfPlaces, lineOf, nearestPart, NO_LINE, type Line } from '../document/curve';
@@ -162,7 +162,7 @@ export class Board {
     if (!stroke) return;
     if (cancelled || stroke.points.length < 2) {
       this.session.live.cancel(stroke.number);
-      this.session.drawing.value = null;
+      this.session.abandon();
     } else {
       this.#send(performance.now());
       this.session.live.end(stroke.number);
@@ -171,8 +171,10 @@ export class Board {
       if (control?.kind === 'curve' && control.strokes.every((points) => points.length === 0)) {
         this.session.drawing.value = { ...control, strokes: [stroke.points.map(([x, y, t, p]) => [x, y, t ?? 0, p ?? 0.5])] };
       }
-      if (this.#grows) this.session.player.seek(0);
-      this.session.player.play();
+      if (!wantsCalm()) {
+        if (this.#grows) this.session.player.seek(0);
+        this.session.player.play();
+      }
     }
     this.#stroke = null;
     this.redraw();

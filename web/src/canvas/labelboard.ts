@@ -3,7 +3,7 @@ import { h } from '../base/dom';
 import { icon } from '../base/icons';
 import { theme } from '../base/theme';
 import type { Controls } from '../document/controls';
-import { labelColour, moveBorder } from '../document/labels';
+import { labelColour, labelText, moveBorder } from '../document/labels';
 import type { Session } from '../document/session';
 
 /** Movements by name: a strip with borders to drag, and a row for each segment. */
@@ -79,7 +79,7 @@ export class LabelBoard {
       border.addEventListener('pointerup', end, { once: true });
       border.addEventListener('pointercancel', end, { once: true });
     });
-    const block = h('div', { class: 'block', style: `flex-grow:${label.seconds};background:${colour}` }, h('b', {}, label.name), h('span', {}, `${label.seconds} s`), border);
+    const block = h('div', { class: 'block', style: `flex-grow:${label.seconds};background:${colour};color:${labelText(label, theme.value.dark)}` }, h('b', {}, label.name), h('span', {}, `${label.seconds} s`), border);
     return block;
   }
 

@@ -1,9 +1,10 @@
 import type { Ui } from '../document/ui';
 import type { Paper } from './paper';
 
-/** Moves and scales the paper: wheel, middle button, the hand, two fingers. */
+/** Moves and scales the paper: wheel, middle button, the hand, two fingers; not the palm beside a pen. */
 export class Navigate {
   readonly #fingers = new Map<number, { x: number; y: number }>();
+  #penDown = false;
 
   constructor(element: HTMLElement, paper: Paper, ui: Ui, changed: () => void) {
     element.addEventListener(
@@ -18,6 +19,11 @@ export class Navigate {
       { passive: false },
     );
     element.addEventListener('pointerdown', (event) => {
+      if (event.pointerType === 'pen') {
+        this.#penDown = true;
+        this.#fingers.clear();
+      }
+      if (event.pointerType === 'touch' && this.#penDown) return;
       const moves = event.button === 1 || (event.button === 0 && (ui.tool.value === 'hand' || event.altKey)) || event.pointerType === 'touch';
       if (!moves) return;
       this.#fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
@@ -41,7 +47,10 @@ export class Navigate {
       }
       this.#fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     });
-    const end = (event: PointerEvent) => this.#fingers.delete(event.pointerId);
+    const end = (event: PointerEvent) => {
+      this.#fingers.delete(event.pointerId);
+      if (event.pointerType === 'pen') this.#penDown = false;
+    };
     element.addEventListener('pointerup', end);
     element.addEventListener('pointercancel', end);
   }

@@ -22,23 +22,23 @@ const FOLLOW = 0.55;
  * need a secure context). Fingers beside a pen are the palm and do not draw.
  */
 export function listenToPen(element: HTMLElement, listener: PenListener): void {
-  let active: { id: number; begin: number; last: PenSample; x: number; y: number } | null = null;
+  let active: { id: number; finger: boolean; begin: number; last: PenSample; x: number; y: number } | null = null;
   let penSeen = false;
 
   element.addEventListener('pointerdown', (event) => {
     if (event.pointerType === 'pen') penSeen = true;
-    // A second finger means to move the paper: what the first began to draw was no stroke.
-    if (active && event.pointerType === 'touch' && event.pointerId !== active.id) {
+    // A second finger means to move the paper, and a finger that was there before the pen is the palm: it drew no stroke.
+    if (active?.finger && event.pointerId !== active.id && event.pointerType !== 'mouse') {
       active = null;
       listener.end(true);
-      return;
+      if (event.pointerType === 'touch') return;
     }
     const drawing = event.pointerType === 'touch' ? !penSeen && event.isPrimary : event.button === 0;
     if (active || !drawing || event.ctrlKey || event.metaKey) return;
     const sample = read(element, event, event.timeStamp, null);
     if (!listener.begin(sample, event)) return;
     element.setPointerCapture(event.pointerId);
-    active = { id: event.pointerId, begin: event.timeStamp, last: sample, x: sample.x, y: sample.y };
+    active = { id: event.pointerId, finger: event.pointerType === 'touch', begin: event.timeStamp, last: sample, x: sample.x, y: sample.y };
     event.preventDefault();
   });
 

@@ -1,11 +1,19 @@
 import type { LabelSegment } from '../api/types';
+import { fromHex, textOn } from '../base/colour';
 
 /** The segment's own colour, else one that its name always has. */
 export function labelColour(all: readonly LabelSegment[], label: LabelSegment, dark: boolean): string {
-  if (label.colour && /^#[0-9a-f]{6}$/i.test(label.colour)) return label.colour;
+  const own = ownColour(label);
+  if (own) return own;
   const names = [...new Set(all.map((other) => other.name))];
   const hue = (names.indexOf(label.name) * 137.5 + 255) % 360;
   return `oklch(${dark ? 0.74 : 0.5} 0.12 ${hue.toFixed(0)})`;
+}
+
+/** Of a name that stands on the segment's colour. */
+export function labelText(label: LabelSegment, dark: boolean): string {
+  const own = ownColour(label);
+  return own ? textOn(fromHex(own)) : dark ? '#0f1012' : '#ffffff';
 }
 
 /** Moves the border behind a segment by some seconds; the neighbour gives or takes them. */
@@ -20,4 +28,8 @@ export function moveBorder(labels: readonly LabelSegment[], index: number, secon
     if (b && i === index + 1) return { ...label, seconds: round(b.seconds - by) };
     return label;
   });
+}
+
+function ownColour({ colour }: LabelSegment): string | null {
+  return colour && /^#[0-9a-f]{6}$/i.test(colour) ? colour : null;
 }

@@ -80,6 +80,10 @@ export class Session {
       problem: (problem) => (this.problem.value = problem),
     });
     this.store.document.watch(() => void this.#sourceChanged());
+    this.store.document.subscribe(({ control }) => {
+      // The drawing was cleared, or undone.
+      if (control === null && this.result.value) this.#showClip();
+    });
     for (const signal of [this.store.document, this.store.history]) signal.subscribe(() => this.#judge());
     this.job.value = state.job;
   }
@@ -110,6 +114,13 @@ export class Session {
     if (this.#sent.size > 400) this.#sent = new Map([...this.#sent].slice(-200));
   }
 
+  /** A stroke was taken back before it was done. */
+  abandon(): void {
+    this.drawing.value = null;
+    // Where nothing else was drawn no result comes in its place.
+    if (!this.store.document.value.control) this.#showClip();
+  }
+
   async #sourceChanged(): Promise<void> {
     const { clips } = this.store.document.value.source;
     const name = clips.join(' ');
@@ -120,12 +131,7 @@ export class Session {
       if (name !== this.#sources) return;
       this.#rig = loaded[0]?.rig ?? null;
       this.source.value = new SourceClips(loaded);
-      this.motion.value = loaded[0]?.motion ?? null;
-      this.used.value = null;
-      this.result.value = null;
-      this.plan.value = null;
-      this.player.rate = loaded[0]?.clip.frameRate ?? 30;
-      this.player.setDuration(this.motion.value ? duration(this.motion.value) : 0);
+      this.#showClip();
       this.suggestions.value = null;
       if (clips.length > 0) this.suggestions.value = await get<Suggestions>('suggestions?count=8');
     } catch (error) {
@@ -133,9 +139,22 @@ export class Session {
     }
   }
 
+  /** The clip as it is: nothing is followed. */
+  #showClip(): void {
+    this.result.value = null;
+    this.plan.value = null;
+    const first = this.source.value.parts[0];
+    this.motion.value = first?.motion ?? null;
+    this.used.value = null;
+    this.player.rate = first?.clip.frameRate ?? 30;
+    this.player.setDuration(first ? duration(first.motion) : 0);
+  }
+
   #poses(buffer: ArrayBuffer): void {
-    // A preview that was overtaken by the full result.
-    const done = this.result.value !== null && !this.stale.value && this.drawing.value === null && this.live.active === 0;
+    // A preview that was overtaken by the full result, or of a stroke that was taken back.
+    const { control } = this.store.document.value;
+    const whole = control === null || (this.result.value !== null && !this.stale.value);
+    const done = whole && this.drawing.value === null && this.live.active === 0;
     if (!this.#rig || done) return;
     let poses: Poses;
     try {
@@ -174,8 +193,9 @@ export class Session {
         bytes(`results/${id}/poses`),
         bytes(`results/${id}/plan?width=600&height=160`),
       ]);
-      // A result of clips that are no longer the ones to arrange.
-      if (result.clipForSkeleton !== this.store.document.value.source.clips[0]) return;
+      // A result of clips that are no longer the ones to arrange, or of a drawing that was cleared.
+      const { source, control } = this.store.document.value;
+      if (result.clipForSkeleton !== source.clips[0] || control === null) return;
       const rig = await this.#rigOf(result);
       // A newer one came, or a stroke goes on.
       if (turn !== this.#loading || this.drawing.value) return;

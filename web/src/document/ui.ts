@@ -23,6 +23,8 @@ export class Ui {
   readonly pointed = new Signal<number | null>(null);
   /** Whether the map of the clip lies under the drawing. */
   readonly underlay = new Signal(false);
+  /** The clip that stands beside the result instead of the one it is made of. */
+  readonly beside = new Signal<string | null>(null);
   readonly carried = new Signal<Carried | null>(null);
   /** A sentence for the status line and for screen readers. */
   readonly said = new Signal('');

@@ -1,16 +1,18 @@
 import { get, post, postFor, Refused } from '../api/http';
 import type { Bake, Certificate, CommandLine, ExportAsked, RetargetAsked, RetargetDone } from '../api/types';
 import { download, h } from '../base/dom';
-import type { Files } from '../document/files';
+import { extension, type Files } from '../document/files';
 import type { Session } from '../document/session';
 import { button, row, section } from './controls';
 import { openDialog } from './dialog';
 
+/** Formats that are only written for a character that came as one of these: into its file, or by its human bones. */
+const ONLY_FROM: Readonly<Record<string, readonly string[]>> = { gltf: ['gltf'], vrm: ['vrm'], vrma: ['vrm', 'vrma'] };
+
 /** Takes the result home: a file of any format, on another character if wanted, and the command that makes it again. */
 export function showExport(session: Session, files: Files): void {
   const result = session.result.value;
-  const formats = session.info.formats.filter((format) => format.write);
-  const format = h('select', {}, ...formats.map(({ extension, name }) => h('option', { value: extension }, `${name} (.${extension})`)));
+  const format = h('select', {});
   const name = h('input', { type: 'text', value: fileName(session.store.document.value.name), spellcheck: 'false' });
   const fps = h('input', { type: 'number', min: 1, max: 240, placeholder: 'own' });
   const bake = h('select', {}, h('option', { value: 'dense' }, 'One a frame'), h('option', { value: 'sparse' }, 'Few, with tangents'), h('option', { value: 'stepped' }, 'Held, on twos'));
@@ -21,6 +23,15 @@ export function showExport(session: Session, files: Files): void {
     onto.replaceChildren(h('option', { value: '' }, 'The clip’s own'), ...others.map((clip) => h('option', { value: clip.id }, clip.name)));
   };
   offer();
+  /** What can be written for the character. */
+  const choose = () => {
+    const own = session.store.document.value.clips.find((clip) => clip.id === (onto.value || source));
+    const fits = session.info.formats.filter(({ write, extension: kind }) => write && (ONLY_FROM[kind]?.includes(extension(own?.file ?? '')) ?? true));
+    const before = format.value;
+    format.replaceChildren(...fits.map(({ extension: kind, name: text }) => h('option', { value: kind }, `${text} (.${kind})`)));
+    if (fits.some((fit) => fit.extension === before)) format.value = before;
+  };
+  choose();
   const certificate = h('div', {});
   const problem = h('p', { class: 'note bad', hidden: true, role: 'alert' });
   let carried: string | null = null;
@@ -28,6 +39,7 @@ export function showExport(session: Session, files: Files): void {
   onto.addEventListener('change', () => void retarget());
   const retarget = async () => {
     carried = null;
+    choose();
     certificate.replaceChildren();
     if (onto.value === '' || !result) return;
     certificate.replaceChildren(h('p', { class: 'help' }, 'Putting it on the other character…'));
@@ -61,12 +73,15 @@ export function showExport(session: Session, files: Files): void {
 
   const code = h('code', {});
   const copy = button('Copy', () => void copyText(code.textContent ?? '', copy));
-  const command = section('The same on the command line', h('div', { class: 'command' }, code, copy));
+  const drawn = h('div', { class: 'row' });
+  const command = section('The same on the command line', h('div', { class: 'command' }, code, copy), drawn);
   command.hidden = true;
   if (result) {
     void get<CommandLine>('command-line')
-      .then(({ text }) => {
+      .then(({ text, files: named }) => {
         code.textContent = text;
+        const where = named.length > 0 ? 'Runs in the project’s folder, with' : 'Runs in the project’s folder.';
+        drawn.replaceChildren(h('span', { class: 'help' }, where), ...named.map((file) => button(`Save ${file.name}`, () => download(new Blob([file.text], { type: 'text/csv' }), file.name))));
         command.hidden = false;
       })
       .catch(() => undefined);

@@ -9,6 +9,8 @@ export interface FilesActs {
   pick(): void;
   /** The clip whose own mesh is shown. */
   readonly character: Signal<string | null>;
+  /** The clip that stands beside the result. */
+  readonly beside: Signal<string | null>;
 }
 
 /** The clips that are arranged, sounds, the character's own skin, and what comes with the program. */
@@ -31,6 +33,7 @@ export function filesPanel(session: Session, files: Files, acts: FilesActs): HTM
   session.store.document.subscribe(draw);
   session.clips.subscribe(draw);
   acts.character.subscribe(draw);
+  acts.beside.subscribe(draw);
   draw();
   const samples = session.info.samples.map((sample) => {
     const load = button(sample.name, () => void files.sample(sample));
@@ -72,6 +75,10 @@ function clipRow(clip: ClipEntry, session: Session, acts: FilesActs): HTMLElemen
     pressed(skin, shown);
     row.append(skin);
   }
-  row.append(gone);
+  const stands = acts.beside.value === clip.id;
+  const beside = tool('compare', `Show ${clip.name} beside the result`, () => (acts.beside.value = stands ? null : clip.id));
+  beside.classList.add('small');
+  pressed(beside, stands);
+  row.append(beside, gone);
   return row;
 }

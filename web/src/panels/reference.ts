@@ -18,9 +18,9 @@ export class Reference {
       const at = Math.min(seconds, this.#video.duration);
       if (Math.abs(this.#video.currentTime - at) > (player.playing.value ? 0.15 : 0.01) && !this.#video.seeking) this.#video.currentTime = at;
     });
+    player.speed.watch((speed) => (this.#video.defaultPlaybackRate = this.#video.playbackRate = speed));
     player.playing.subscribe((is) => {
       if (this.element.hidden) return;
-      this.#video.playbackRate = player.speed.value;
       if (is) void this.#video.play().catch(() => undefined);
       else this.#video.pause();
     });

@@ -3,7 +3,7 @@ import { css, rampAt, type Rgb } from '../base/colour';
 import { ticks } from '../base/maths';
 import type { Theme } from '../base/theme';
 import { drawMark } from '../canvas/marks';
-import { labelColour } from '../document/labels';
+import { labelColour, labelText } from '../document/labels';
 import { timeOf } from '../document/keys';
 import type { Used } from '../document/session';
 import type { SourceClips } from '../document/source';
@@ -137,7 +137,7 @@ export function drawControl({ context, scale, lanes, theme }: TimelineView, cont
       const [x0, x1] = [GUTTER + (at / total) * scale.inner, GUTTER + ((at + label.seconds) / total) * scale.inner];
       context.fillStyle = labelColour(control.segments, label, theme.dark);
       context.fillRect(x0, low, Math.max(x1 - x0 - 1, 1), high - low);
-      context.fillStyle = theme.dark ? '#101113' : '#ffffff';
+      context.fillStyle = labelText(label, theme.dark);
       context.font = `600 ${FONT}`;
       context.textAlign = 'left';
       context.textBaseline = 'middle';
