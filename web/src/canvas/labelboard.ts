@@ -27,7 +27,9 @@ export class LabelBoard {
       this.#build();
     });
     theme.subscribe(() => this.#build());
-    session.player.seconds.watch((seconds) => (this.#head.style.left = `${(100 * seconds) / Math.max(session.player.duration.value, 1e-6)}%`));
+    const { seconds, duration } = session.player;
+    const place = () => (this.#head.style.left = `${(100 * seconds.value) / Math.max(duration.value, 1e-6)}%`);
+    for (const signal of [seconds, duration]) signal.watch(place);
   }
 
   #set(segments: readonly LabelSegment[], label: string): void {
