@@ -500,10 +500,12 @@ async function on(device, work) {
   await opened.context.close();
 }
 
-/** A project with a drawing and its result. */
+/** A project with a drawing of some seconds and its result. */
 async function drawn(page) {
-  if ((await doc()).control?.kind !== 'curve') await penStroke(page, '#pen', spiral());
-  await until('a drawing', async () => (await doc()).control?.kind === 'curve');
+  const { undo } = (await api('project')).history;
+  await penStroke(page, '#pen', spiral(), { pause: 20 });
+  await until('a drawing', async () => (await api('project')).history.undo.length > undo.length);
+  await rest(300);
   await finished(page);
 }
 
