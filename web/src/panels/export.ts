@@ -81,7 +81,7 @@ export function showExport(session: Session, files: Files): void {
       .then(({ text, files: named }) => {
         // Lines break between options, never within their names.
         code.replaceChildren(...text.split(/ (?=-)/).flatMap((option, i) => [i > 0 ? ' ' : '', h('span', {}, option)]));
-        const where = named.length > 0 ? 'Runs in the project’s folder, with' : 'Runs in the project’s folder.';
+        const where = named.length > 0 ? 'Runs in the project’s folder, with what was drawn beside it.' : 'Runs in the project’s folder.';
         drawn.replaceChildren(h('span', { class: 'help' }, where), ...named.map((file) => button(`Save ${file.name}`, () => download(new Blob([file.text], { type: 'text/csv' }), file.name))));
         command.hidden = false;
       })
