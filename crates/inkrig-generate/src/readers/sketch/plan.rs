@@ -19,7 +19,8 @@ pub struct Outputs {
     pub presence: Value,
 }
 
-/// Cells of 4 pixels, then 20, 10 and 5 cells a side, and back up with what was seen on the way down.
+/// Cells of 4 pixels, then 20, 10 and 5 cells a side, and back up with what was seen on the way down. What is seen of each cell is
+/// taken twice from the paper: briefly for the way down, and with twice the channels for where exactly a line ends or bends.
 pub fn plan() -> (Plan, Outputs) {
     let mut plan = Plan::new(Shape { height: SIDE, width: SIDE, channels: 1 });
     let a = plan.patch("stem", 0, [8, 8], [4, 4], [2, 2], 32);
@@ -35,18 +36,19 @@ pub fn plan() -> (Plan, Outputs) {
     for at in 0..3 {
         c = plan.block(&format!("coarse.{at}"), c, 7, 288);
     }
-    let mut d = down(&mut plan, "down.2", c, 160);
-    for at in 0..2 {
-        d = plan.block(&format!("whole.{at}"), d, 5, 480);
-    }
+    let d = down(&mut plan, "down.2", c, 160);
+    let d = plan.block("whole.0", d, 5, 480);
     let up = plan.join("up.0", d, c);
     let up = plan.block("coarse.3", up, 7, 288);
     let up = plan.join("up.1", up, b);
     let up = plan.block("middle.2", up, 5, 128);
-    let up = plan.join("up.2", up, a);
-    let up = plan.block("fine.1", up, 5, 64);
-    let up = plan.norm("norm", up);
-    let heat = plan.linear("heat", up, KEY_POINTS);
+    let exact = plan.patch("exact.stem", 0, [8, 8], [4, 4], [2, 2], 64);
+    let exact = plan.block("exact.0", exact, 5, 128);
+    let up = plan.join("exact.up", up, exact);
+    let up = plan.block("exact.1", up, 7, 128);
+    let up = plan.block("exact.2", up, 5, 128);
+    let up = plan.norm("exact.norm", up);
+    let heat = plan.linear("exact.heat", up, KEY_POINTS);
     let mean = plan.mean(d);
     let mean = plan.norm("presence.norm", mean);
     let presence = plan.linear("presence", mean, KEY_POINTS);
