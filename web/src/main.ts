@@ -1,6 +1,7 @@
 import './style/tokens.css';
 import './style/layout.css';
 import './style/controls.css';
+import './style/storyboard.css';
 
 import { Refused } from './api/http';
 import { byId, calm, h } from './base/dom';
@@ -15,6 +16,7 @@ import { Controls } from './document/controls';
 import { Files } from './document/files';
 import { timeOf } from './document/keys';
 import { Session } from './document/session';
+import { linesOf } from './document/storyboard';
 import { Ui } from './document/ui';
 import { Carry } from './panels/carry';
 import { acceptDrops, pickFiles } from './panels/drop';
@@ -29,6 +31,7 @@ import { reportPanel } from './panels/report';
 import { listenToKeys, showShortcuts } from './panels/shortcuts';
 import { side } from './panels/side';
 import { status } from './panels/status';
+import { StoryboardPanel } from './panels/storyboard';
 import { toastFailures } from './panels/toast';
 import { toolbar } from './panels/toolbar';
 import { transport } from './panels/transport';
@@ -58,6 +61,7 @@ function start(session: Session): void {
   const carry = new Carry(session, ui);
   carry.targets.push(board, timeline);
   const pick = () => pickFiles(files);
+  const storyboard = new StoryboardPanel(session.storyboard, (text) => (ui.said.value = text));
 
   const acts = {
     export: () => showExport(session, files),
@@ -83,6 +87,7 @@ function start(session: Session): void {
     { name: 'files', text: 'Files', panel: filesPanel(session, files, { pick, character: character.chosen, beside: ui.beside }) },
   ]);
   boards();
+  if (!session.store.document.value.control && session.storyboard.file.value.frames.some((frame) => linesOf(frame).length > 0)) controls.choose('storyboard');
   watch();
   keys();
   ui.said.subscribe((text) => (byId('said').textContent = text));
@@ -91,7 +96,7 @@ function start(session: Session): void {
   function boards(): void {
     const wave = new WaveBoard(session, ui, controls);
     const sound = new SoundBoard(session, controls, pick);
-    const others = { wave, labels: new LabelBoard(session, controls), sound, motion: new MotionBoard(session, controls, pick) };
+    const others = { wave, labels: new LabelBoard(session, controls), sound, motion: new MotionBoard(session, controls, pick), storyboard };
     byId('boards').append(...Object.values(others).map((other) => other.element));
     wave.values.onchange = (values) => controls.kind.value === 'wave' && (timeline.wave = values);
     sound.values.onchange = (values) => controls.kind.value === 'sound' && (timeline.wave = values);
@@ -176,7 +181,7 @@ function start(session: Session): void {
   function keys(): void {
     const { player, store } = session;
     const kind = (name: Parameters<Controls['choose']>[0]) => () => controls.choose(name);
-    listenToKeys({
+    const all: Record<string, () => void> = {
       ' ': () => player.toggle(),
       ',': () => player.step(-1),
       '.': () => player.step(1),
@@ -204,6 +209,7 @@ function start(session: Session): void {
       '3': kind('labels'),
       '4': kind('sound'),
       '5': kind('motion'),
+      '6': kind('storyboard'),
       '\\': acts.side,
       '?': showShortcuts,
       'Ctrl+Z': () => void store.undo(),
@@ -214,7 +220,13 @@ function start(session: Session): void {
       Delete: removeKey,
       Backspace: removeKey,
       Escape: () => (ui.selected.value = null),
-    });
+    };
+    // While frames are drawn, their keys come first.
+    for (const [key, act] of Object.entries(storyboard.keys)) {
+      const other = all[key];
+      all[key] = () => (controls.kind.value === 'storyboard' ? act() : other?.());
+    }
+    listenToKeys(all);
     function removeKey(): void {
       const id = ui.selected.value;
       if (!id) return;

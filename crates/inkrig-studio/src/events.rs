@@ -97,19 +97,19 @@ pub enum JobKind {
 pub struct JobState {
     /// Its id.
     pub id: String,
-    /// What it works on: `solve` or `alternatives`.
+    /// What it works on: `solve`, `alternatives` or `storyboard`.
     pub kind: &'static str,
     /// Whether it runs.
     pub state: JobStatus,
-    /// Level that is worked on, 1 is the coarsest.
+    /// Level that is worked on, 1 is the coarsest; of a storyboard the frame, 0 while all are read or joined.
     pub level: usize,
-    /// Number of levels.
+    /// Number of levels, or of frames.
     pub levels: usize,
-    /// Gradients done.
+    /// Gradients done, or steps of a storyboard.
     pub done: usize,
-    /// Gradients of all.
+    /// Gradients of all, or steps.
     pub total: usize,
-    /// Its result, the first of several.
+    /// Its result, the first of several; of a storyboard the clip.
     pub result: Option<String>,
     /// All results.
     pub results: Vec<String>,
@@ -137,6 +137,10 @@ impl JobState {
             JobKind::Solve => "solve",
             JobKind::Alternatives { .. } => "alternatives",
         };
+        Self::named(id, kind)
+    }
+
+    pub(crate) fn named(id: String, kind: &'static str) -> Self {
         Self {
             id,
             kind,

@@ -10,6 +10,7 @@ mod guard;
 mod page;
 pub mod project;
 mod server;
+pub mod storyboard;
 pub mod strokes;
 mod studio;
 

@@ -2,13 +2,14 @@
 
 use crate::StudioError;
 use crate::document::{
-    Beside, ClipEntry, ClipRole, Command, Control, CurveTiming, Document, PenPoint, SoundEntry, Up,
+    Beside, ClipEntry, ClipRole, Command, Control, CurveTiming, Document, PenPoint, SoundEntry, Source, Up,
 };
 use crate::engine::drawings;
 use crate::engine::media::{self, Media};
 use crate::engine::solver::{Live, Solver};
 use crate::events::{Event, Events, JobState};
 use crate::project::{HistoryState, Kind, Project, StrokeJournal};
+use crate::storyboard::{Boards, Storyboarder};
 use crate::strokes::StrokeMode;
 use inkrig_formats::{Import, Severity};
 use serde::{Deserialize, Serialize};
@@ -31,6 +32,8 @@ pub struct Studio {
     pub media: Arc<Media>,
     /// The thread that solves.
     pub solver: Solver,
+    /// What makes animations of storyboards.
+    pub(crate) boards: Boards,
     /// Who is told.
     pub events: Events,
 }
@@ -97,11 +100,15 @@ pub struct UploadOptions {
 }
 
 impl Studio {
-    /// Opens a project.
+    /// Opens a project. Without a storyboarder storyboards are kept only.
     ///
     /// # Errors
     /// When its folder cannot be used.
-    pub fn open(folder: &Path, threads: usize) -> Result<Arc<Self>, StudioError> {
+    pub fn open(
+        folder: &Path,
+        threads: usize,
+        storyboarder: Option<Arc<dyn Storyboarder>>,
+    ) -> Result<Arc<Self>, StudioError> {
         let project = Project::open(folder)?;
         let (media, events) = (Arc::new(Media::default()), Events::default());
         let solver = Solver::start(project.folder().clone(), media.clone(), events.clone(), threads)?;
@@ -111,6 +118,7 @@ impl Studio {
             uploads: Mutex::default(),
             media,
             solver,
+            boards: Boards::new(storyboarder),
             events,
         };
         let (document, revision) = studio.now();
@@ -232,6 +240,31 @@ impl Studio {
         bytes: &[u8],
         options: &UploadOptions,
     ) -> Result<(ClipEntry, Arc<Import>, Applied), StudioError> {
+        self.add_clip_as("Add", bytes, options, |document, id| {
+            if document.source.clips.is_empty() {
+                document.source.clips.push(id);
+            }
+        })
+    }
+
+    /// Adds what was made of a storyboard, and shows it as it is: it alone is arranged, and follows nothing. Returns its id.
+    pub(crate) fn add_made(&self, title: &str, bvh: &[u8]) -> Result<String, StudioError> {
+        let title = if title.trim().is_empty() { "Storyboard" } else { title.trim() };
+        let options = UploadOptions { name: format!("{title}.bvh"), ..UploadOptions::default() };
+        let (entry, ..) = self.add_clip_as("Make", bvh, &options, |document, id| {
+            document.source = Source { clips: vec![id], ..Source::default() };
+            document.control = None;
+        })?;
+        Ok(entry.id)
+    }
+
+    fn add_clip_as(
+        &self,
+        verb: &str,
+        bytes: &[u8],
+        options: &UploadOptions,
+        then: impl FnOnce(&mut Document, String),
+    ) -> Result<(ClipEntry, Arc<Import>, Applied), StudioError> {
         let mut beside = HashMap::new();
         for id in options.beside.iter().flat_map(|ids| ids.split(',')).filter(|id| !id.is_empty()) {
             let uploads = lock(&self.uploads);
@@ -266,12 +299,10 @@ impl Studio {
         }
         entry.beside.sort_by(|a, b| a.name.cmp(&b.name));
         self.media.put(&entry, import.clone());
-        let label = format!("Add {}", entry.name);
+        let label = format!("{verb} {}", entry.name);
         project.change(&label, None, |document| {
             document.clips.push(entry.clone());
-            if document.source.clips.is_empty() {
-                document.source.clips.push(entry.id.clone());
-            }
+            then(document, entry.id.clone());
             Ok(())
         })?;
         let applied = self.tell(project, true);
@@ -461,6 +492,6 @@ fn own(stroke: &mut Option<Stroke>, client: u64, number: u32) -> Result<&mut Str
     stroke.ok_or_else(|| StudioError::invalid(format!("stroke {number} was not begun, or is over")))
 }
 
-fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(crate) fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }

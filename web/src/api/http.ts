@@ -33,6 +33,11 @@ export function postFor(path: string, body: unknown): Promise<Response> {
   return answer(path, { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) });
 }
 
+/** Puts something in place of what is there. */
+export async function put(path: string, body: unknown): Promise<void> {
+  await answer(path, { method: 'PUT', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) });
+}
+
 export async function upload<T>(path: string, file: Blob): Promise<T> {
   const headers = { 'Content-Type': 'application/octet-stream' };
   return (await answer(path, { method: 'POST', headers, body: file })).json() as Promise<T>;

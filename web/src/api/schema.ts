@@ -413,6 +413,25 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/storyboard": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** The storyboard of the project. */
+        get: operations["storyboard"];
+        /** Keeps the storyboard with the project. It is on the disk before the answer. */
+        put: operations["keepStoryboard"];
+        /** Keeps the storyboard, and begins to make one animation of it, which becomes a clip that is shown. */
+        post: operations["makeStoryboard"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/suggestions": {
         parameters: {
             query?: never;
@@ -544,6 +563,33 @@ export interface components {
              * @default
              */
             name: string;
+        };
+        /** @description A storyboard that was kept. */
+        BoardKept: {
+            /** @description How many frames it has. */
+            frames: number;
+        };
+        /** @description The newest animation of this run of the program. */
+        BoardMade: {
+            /** @description Id of the clip. */
+            clip: string;
+            /** @description What is told of each frame. */
+            frames: components["schemas"]["MadeFrame"][];
+            /** @description The job. */
+            job: string;
+            /** @description What the user should know of the whole. */
+            notes: string[];
+        };
+        /** @description The storyboard and what is known of it. */
+        BoardState: {
+            /** @description Whether this program makes animations of storyboards. */
+            available: boolean;
+            /** @description The storyboard's file; none where nothing was drawn. */
+            board?: Record<string, unknown> | null;
+            job?: components["schemas"]["JobState"] | null;
+            made?: components["schemas"]["BoardMade"] | null;
+            /** @description Words that it knows. */
+            words: string[];
         };
         /** @description A limit that is not kept. */
         BrokenLimit: {
@@ -1110,25 +1156,25 @@ export interface components {
         };
         /** @description A job and how far it is. */
         JobState: {
-            /** @description Gradients done. */
+            /** @description Gradients done, or steps of a storyboard. */
             done: number;
             /** @description Why it failed. */
             error?: string | null;
             /** @description Its id. */
             id: string;
-            /** @description What it works on: `solve` or `alternatives`. */
+            /** @description What it works on: `solve`, `alternatives` or `storyboard`. */
             kind: string;
-            /** @description Level that is worked on, 1 is the coarsest. */
+            /** @description Level that is worked on, 1 is the coarsest; of a storyboard the frame, 0 while all are read or joined. */
             level: number;
-            /** @description Number of levels. */
+            /** @description Number of levels, or of frames. */
             levels: number;
-            /** @description Its result, the first of several. */
+            /** @description Its result, the first of several; of a storyboard the clip. */
             result?: string | null;
             /** @description All results. */
             results: string[];
             /** @description Whether it runs. */
             state: components["schemas"]["JobStatus"];
-            /** @description Gradients of all. */
+            /** @description Gradients of all, or steps. */
             total: number;
         };
         /**
@@ -1267,6 +1313,42 @@ export interface components {
              */
             to: number;
         };
+        /** @description What came of a frame. */
+        MadeFrame: {
+            /** @description Where in the animation it begins, frames. */
+            begins: number;
+            /** @description How long it is, frames. */
+            frames: number;
+            /** @description Joints that were read, on the frame's canvas. */
+            joints: components["schemas"]["ReadJoint"][];
+            /** @description Which of its own frames has the drawn pose. */
+            keyFrame?: number | null;
+            /**
+             * Format: float
+             * @description Mean distance of the animation from what was drawn, metres.
+             */
+            meanMiss: number;
+            /** @description What the user should know. */
+            notes: string[];
+            /** @description Whose ways the trajectories are, in their order. */
+            ways: components["schemas"]["MadeWay"][];
+            /**
+             * Format: float
+             * @description The largest distance, metres.
+             */
+            worstMiss: number;
+        };
+        /** @description What a trajectory was taken for. */
+        MadeWay: {
+            /** @description `start` or `end`: where on the line the figure is. */
+            figure: string;
+            /** @description First of the frame's own frames. */
+            first: number;
+            /** @description How many. */
+            frames: number;
+            /** @description Whose way it is. */
+            joint: string;
+        };
         /** @description Moments on a plane: what is alike is near. The unit is the mean distance of two moments. */
         MapInfo: {
             /** @description In order. */
@@ -1363,6 +1445,28 @@ export interface components {
              * @description Rises with every change.
              */
             revision: number;
+        };
+        /** @description A joint that was read from a drawing. */
+        ReadJoint: {
+            /**
+             * Format: float
+             * @description 0 to 1.
+             */
+            confidence: number;
+            /** @description Its name, such as `right_foot`. */
+            name: string;
+            /** @description Whether the user said where it is. */
+            pinned: boolean;
+            /**
+             * Format: double
+             * @description To the right, canvas units.
+             */
+            x: number;
+            /**
+             * Format: double
+             * @description Up, canvas units.
+             */
+            y: number;
         };
         /** @description What is told of a result. */
         ResultFacts: {
@@ -2496,6 +2600,98 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Outline"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    storyboard: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BoardState"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    keepStoryboard: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": Record<string, unknown>;
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BoardKept"];
+                };
+            };
+            "4XX": {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ErrorBody"];
+                };
+            };
+        };
+    };
+    makeStoryboard: {
+        parameters: {
+            query?: {
+                /** @description How drawn lines and poses are met; `soft` without. */
+                exact?: "off" | "soft" | "pin";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": Record<string, unknown>;
+            };
+        };
+        responses: {
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["JobState"];
                 };
             };
             "4XX": {

@@ -48,6 +48,9 @@ export type RetargetDone = Whole<Schemas['RetargetDone']>;
 export type CommandLine = Whole<Schemas['CommandLine']>;
 export type Bake = Whole<Schemas['Bake']>;
 
+export type BoardState = Whole<Schemas['BoardState']>;
+export type MadeFrame = Whole<Schemas['MadeFrame']>;
+
 /** What is sent, where a part may be left out. */
 export type ExportAsked = Schemas['ExportAsked'];
 export type RetargetAsked = Schemas['RetargetAsked'];

@@ -3,9 +3,9 @@ import { Signal } from '../base/signal';
 import { lineOf, nearestPart } from './curve';
 import type { Store } from './store';
 
-export type ControlKind = 'curve' | 'wave' | 'labels' | 'sound' | 'motion';
+export type ControlKind = 'curve' | 'wave' | 'labels' | 'sound' | 'motion' | 'storyboard';
 
-const NAMES: Readonly<Record<ControlKind, string>> = { curve: 'drawing', wave: 'wave', labels: 'labels', sound: 'sound', motion: 'motion' };
+const NAMES: Readonly<Record<ControlKind, string>> = { curve: 'drawing', wave: 'wave', labels: 'labels', sound: 'sound', motion: 'motion', storyboard: 'storyboard' };
 
 /** Which kind of control is edited. What was made of the other kinds is kept for when one comes back. */
 export class Controls {
@@ -68,6 +68,8 @@ export class Controls {
         return other ? { kind: 'motion', clip: other.id } : null;
       }
       case 'curve':
+      // A storyboard makes its own motion: nothing is followed by it.
+      case 'storyboard':
         return null;
     }
   }

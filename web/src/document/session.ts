@@ -9,6 +9,7 @@ import { duration, type Motion } from '../viewport/motion';
 import { Player } from './player';
 import { SourceClips } from './source';
 import { Store } from './store';
+import { Storyboard } from './storyboard';
 
 /** Which source frame (counted through all clips) every control sample is made of. */
 export interface Used {
@@ -56,6 +57,7 @@ export class Session {
   constructor(
     readonly info: Info,
     state: ProjectState,
+    readonly storyboard: Storyboard,
   ) {
     this.store = new Store(state);
     this.live = new Live({
@@ -75,7 +77,7 @@ export class Session {
     });
     listen({
       project: (event) => void this.store.follow(event, null),
-      job: (job) => (this.job.value = job),
+      job: (job) => (job.kind === 'storyboard' ? void this.storyboard.follow(job) : (this.job.value = job)),
       result: ({ id }) => void this.#load(id),
       problem: (problem) => (this.problem.value = problem),
     });
@@ -89,8 +91,8 @@ export class Session {
   }
 
   static async open(): Promise<Session> {
-    const [info, state] = await Promise.all([get<Info>('info'), get<ProjectState>('project')]);
-    const session = new Session(info, state);
+    const [info, state, storyboard] = await Promise.all([get<Info>('info'), get<ProjectState>('project'), Storyboard.open()]);
+    const session = new Session(info, state, storyboard);
     await session.#sourceChanged();
     if (state.result) await session.#load(state.result);
     return session;

@@ -41,10 +41,11 @@ export function showExport(session: Session, files: Files): void {
     carried = null;
     choose();
     certificate.replaceChildren();
-    if (onto.value === '' || !result) return;
+    const of = result?.id ?? source;
+    if (onto.value === '' || !of) return;
     certificate.replaceChildren(h('p', { class: 'help' }, 'Putting it on the other character…'));
     await attempt(async () => {
-      const done = await post<RetargetDone>('retarget', { of: result.id, onto: onto.value } satisfies RetargetAsked);
+      const done = await post<RetargetDone>('retarget', { of, onto: onto.value } satisfies RetargetAsked);
       carried = done.result;
       certificate.replaceChildren(show(done.certificate));
     });

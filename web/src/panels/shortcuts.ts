@@ -19,7 +19,7 @@ const KEYS: readonly (readonly [string, string])[] = [
   ['Ctrl Shift Z', 'Redo'],
   ['C G O T B', 'What the view shows'],
   ['Ctrl E', 'Export'],
-  ['1 … 5', 'What steers'],
+  ['1 … 6', 'What steers'],
   ['Ctrl O', 'Open a file'],
   ['Shift D', 'Light or dark'],
   ['Tab', 'Next control'],

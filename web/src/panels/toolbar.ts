@@ -10,6 +10,7 @@ const KINDS: readonly { value: ControlKind; text: string; title: string }[] = [
   { value: 'labels', text: 'Labels', title: 'Movements by name (3)' },
   { value: 'sound', text: 'Sound', title: 'Music or speech (4)' },
   { value: 'motion', text: 'Motion', title: 'Another motion, of any skeleton (5)' },
+  { value: 'storyboard', text: 'Storyboard', title: 'Drawn frames become one animation (6)' },
 ];
 
 export interface ToolbarActs {

@@ -9,6 +9,7 @@ mod project;
 mod request;
 mod results;
 mod sounds;
+mod storyboard;
 mod take_home;
 
 pub(crate) use live::places as live_places;
@@ -62,6 +63,7 @@ pub(crate) fn routes() -> (Router<Arc<App>>, utoipa::openapi::OpenApi) {
         .routes(routes!(results::poses))
         .routes(routes!(results::plan))
         .routes(routes!(results::suggestions))
+        .routes(routes!(storyboard::state, storyboard::keep, storyboard::make))
         .routes(routes!(take_home::lock))
         .routes(routes!(take_home::export))
         .routes(routes!(take_home::retarget))

@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 use std::time::Duration;
 
 /// Most bytes of a body of JSON.
-const MOST_JSON: usize = 8 << 20;
+pub(super) const MOST_JSON: usize = 8 << 20;
 /// How long a body may pause.
 const PAUSE: Duration = Duration::from_secs(10);
 /// How long all of a body may take.

@@ -63,7 +63,8 @@ pub(crate) async fn job(
     State(app): State<Arc<App>>,
     Path(id): Path<String>,
 ) -> Result<Json<JobState>, ApiError> {
-    let state = app.studio.solver.job(&id).ok_or_else(|| StudioError::unknown("job", &id))?;
+    let state = app.studio.solver.job(&id).or_else(|| app.studio.boards.job(&id));
+    let state = state.ok_or_else(|| StudioError::unknown("job", &id))?;
     Ok(Json(state))
 }
 
@@ -73,7 +74,8 @@ pub(crate) async fn cancel_job(
     State(app): State<Arc<App>>,
     Path(id): Path<String>,
 ) -> Result<Json<JobState>, ApiError> {
-    let state = app.studio.solver.cancel(&id).ok_or_else(|| StudioError::unknown("job", &id))?;
+    let state = app.studio.solver.cancel(&id).or_else(|| app.studio.boards.cancel(&id));
+    let state = state.ok_or_else(|| StudioError::unknown("job", &id))?;
     Ok(Json(state))
 }
 

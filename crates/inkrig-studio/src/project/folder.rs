@@ -2,6 +2,7 @@
 
 use crate::StudioError;
 use inkrig_formats::read_in_folder;
+use inkrig_sketch::storyboard::{Storyboard, write_storyboard};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fs::{self, File, TryLockError};
@@ -11,8 +12,10 @@ use std::path::{Path, PathBuf};
 /// Most bytes of a JSON file of ours.
 const MOST_JSON: usize = 64 << 20;
 /// What a project's folder may hold.
-const KNOWN: [&str; 7] =
-    ["project.json", "project.lock", "history", "clips", "sounds", "stroke.jsonl", ".gitignore"];
+const KNOWN: [&str; 8] =
+    ["project.json", "project.lock", "history", "clips", "sounds", "stroke.jsonl", ".gitignore", STORYBOARD];
+/// The storyboard, as `inkrig storyboard` reads it too.
+const STORYBOARD: &str = "storyboard.json";
 
 /// A project's folder, locked for this process.
 #[derive(Debug)]
@@ -119,6 +122,28 @@ impl Folder {
             return Err(StudioError::Folder { path, what });
         }
         read_in_folder(&folder, file, most).map_err(|cause| StudioError::File { path, cause })
+    }
+}
+
+impl Folder {
+    /// Keeps the storyboard, whole or not at all.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn keep_board(&self, board: &Storyboard) -> Result<(), StudioError> {
+        self.write(STORYBOARD, write_storyboard(board)?.as_bytes())
+    }
+
+    /// The bytes of the storyboard; `None` where there is none.
+    ///
+    /// # Errors
+    /// When it cannot be read, or is too large.
+    pub fn board(&self) -> Result<Option<Vec<u8>>, StudioError> {
+        match read_in_folder(&self.path, STORYBOARD, MOST_JSON) {
+            Ok(bytes) => Ok(Some(bytes)),
+            Err(cause) if cause.kind() == std::io::ErrorKind::NotFound => Ok(None),
+            Err(cause) => Err(StudioError::File { path: self.file(STORYBOARD), cause }),
+        }
     }
 }
 

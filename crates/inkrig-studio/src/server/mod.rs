@@ -8,6 +8,7 @@ pub(crate) use connections::Connection;
 
 use crate::api::ApiError;
 use crate::guard::{Guard, Tokens};
+use crate::storyboard::Storyboarder;
 use crate::{Studio, StudioError, api, page};
 use axum::Router;
 use axum::middleware::from_fn_with_state;
@@ -34,6 +35,8 @@ pub struct ServeOptions {
     pub page: Option<PathBuf>,
     /// Threads that solve, at least 1.
     pub threads: usize,
+    /// What makes animations of storyboards, where the program can.
+    pub storyboarder: Option<Arc<dyn Storyboarder>>,
 }
 
 /// What every request can reach.
@@ -84,7 +87,7 @@ impl Server {
             std::net::TcpListener::bind(SocketAddr::new(IpAddr::V4(ip), options.port)).map_err(failed)?;
         listener.set_nonblocking(true).map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
-        let studio = Studio::open(&options.project, options.threads.max(1))?;
+        let studio = Studio::open(&options.project, options.threads.max(1), options.storyboarder.clone())?;
         Ok(Self { listener, address, studio, options })
     }
 

@@ -1,11 +1,12 @@
 //! A server in this process, and clients that can say anything.
 
+use inkrig_studio::storyboard::Storyboarder;
 use inkrig_studio::{Invitation, ServeOptions, Server};
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
-use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tungstenite::client::IntoClientRequest as _;
 use tungstenite::{Message, WebSocket};
@@ -31,7 +32,15 @@ impl Studio {
     }
 
     pub(crate) fn with(lan: bool, page: Option<&Path>) -> Self {
-        let folder = tempfile::tempdir().unwrap();
+        Self::on(tempfile::tempdir().unwrap(), lan, page, None)
+    }
+
+    pub(crate) fn on(
+        folder: tempfile::TempDir,
+        lan: bool,
+        page: Option<&Path>,
+        storyboarder: Option<Arc<dyn Storyboarder>>,
+    ) -> Self {
         let server = Server::bind(ServeOptions {
             port: 0,
             lan,
@@ -39,6 +48,7 @@ impl Studio {
             project: folder.path().to_path_buf(),
             page: page.map(Path::to_path_buf),
             threads: 2,
+            storyboarder,
         })
         .unwrap();
         let address = server.address();

@@ -12,5 +12,6 @@ mod crowd;
 mod drawing;
 mod files;
 mod lan;
+mod storyboard;
 mod strangers;
 mod wishes;

@@ -22,6 +22,7 @@ mod settings;
 mod sketch;
 mod storyboard;
 mod studio;
+mod studio_boards;
 mod suggest;
 mod train;
 

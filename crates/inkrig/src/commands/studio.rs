@@ -1,6 +1,7 @@
 //! `inkrig studio`: the page on which one draws.
 
 use super::settings::threads;
+use super::studio_boards::Boards;
 use crate::cli::StudioArgs;
 use crate::console::Console;
 use crate::error::CliError;
@@ -9,6 +10,7 @@ use inkrig_studio::{ServeOptions, Server, StudioError};
 use serde::Serialize;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::Arc;
 
 /// What is said as JSON; the names are stable.
 #[derive(Serialize)]
@@ -27,6 +29,7 @@ pub(super) fn run(args: &StudioArgs, console: &Console) -> Result<(), CliError> 
         project: args.project.clone(),
         page: args.page.clone(),
         threads: threads(args.threads),
+        storyboarder: Some(Arc::new(Boards::default())),
     })
     .map_err(studio)?;
     if args.files.is_empty() {

@@ -89,7 +89,7 @@ impl BoardData {
     fn of_frame(frame: &BoardFrame) -> Self {
         let strokes = || frame.strokes.iter().take(MOST_STROKES);
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for point in strokes().flat_map(|stroke| &stroke.points).chain(&frame.joints).filter(|at| finite(*at))
+        for point in strokes().flat_map(|stroke| &stroke.points).chain(&frame.joints).filter(|at| finite(at))
         {
             for axis in 0..2 {
                 low[axis] = low[axis].min(point[axis]);

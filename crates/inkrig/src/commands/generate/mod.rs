@@ -115,9 +115,9 @@ struct Made {
     ground: Option<GroundRecord>,
 }
 
-trait Bytes: Read + Seek {}
+trait Bytes: Read + Seek + Send {}
 
-impl<T: Read + Seek> Bytes for T {}
+impl<T: Read + Seek + Send> Bytes for T {}
 
 /// The model that is asked for by name: on the command line, or by INKRIG_MODEL.
 pub(in crate::commands) fn named_model(given: Option<&PathBuf>) -> Option<PathBuf> {

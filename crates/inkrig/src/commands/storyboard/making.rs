@@ -15,6 +15,7 @@ use inkrig_storyboard::{
     Animation, Blender, Exact, Generated, Maker, MakerOptions, MeetOptions, StoryboardError, Understood,
     animation, read_figure, understand,
 };
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// How frames are made.
@@ -40,6 +41,28 @@ impl Settings {
             guide_every: usize::from(args.guide_every),
             seed: args.seed,
         }
+    }
+}
+
+/// What is made next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::commands) enum Next {
+    /// The frame of this number, from 1.
+    Frame(usize),
+    /// One animation of all.
+    Whole,
+}
+
+/// Shows on the console what is made of that many frames.
+pub(in crate::commands) fn shown(console: &Console, frames: usize) -> impl FnMut(Next) -> ControlFlow<()> {
+    let mut stage = None;
+    move |next| {
+        drop(stage.take());
+        stage = Some(console.stage(match next {
+            Next::Frame(number) => format!("frame {number} of {frames}"),
+            Next::Whole => "joining, and meeting the lines".into(),
+        }));
+        ControlFlow::Continue(())
     }
 }
 
@@ -89,15 +112,18 @@ pub(in crate::commands) fn frames(
     Ok(understood)
 }
 
+/// Makes one animation; `watch` is told what is next, and may stop it.
 pub(in crate::commands) fn make(
     understood: &[Understood],
     model: &Model,
     encoder: &dyn TextEncoder,
     settings: &Settings,
     path: &Path,
-    console: &Console,
+    watch: &mut dyn FnMut(Next) -> ControlFlow<()>,
 ) -> Result<Made, CliError> {
     let wrong = wrong(path);
+    let mut goes_on =
+        |next| if watch(next).is_break() { Err(wrong(StoryboardError::Stopped)) } else { Ok(()) };
     let usual = sampling(&model.header, settings.steps, &model.path)?;
     let options = MakerOptions {
         sampling: SamplingOptions {
@@ -131,10 +157,10 @@ pub(in crate::commands) fn make(
     };
     let mut clips = Vec::new();
     for (at, (frame, text)) in understood.iter().zip(&texts).enumerate() {
-        let _stage = console.stage(format!("frame {} of {}", at + 1, understood.len()));
+        goes_on(Next::Frame(at + 1))?;
         clips.push(maker.clip(at + 1, &frame.plan, text, &options).map_err(&wrong)?);
     }
-    let _stage = console.stage("joining, and meeting the lines");
+    goes_on(Next::Whole)?;
     let sampler = Sampler { networks, features: &model.features, no_text: &no_text };
     let both: Vec<Vec<f32>> = texts
         .windows(2)

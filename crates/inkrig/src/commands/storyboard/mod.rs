@@ -21,8 +21,9 @@ use onto::onto;
 use record::Record;
 use std::path::{Path, PathBuf};
 
-pub(super) use making::{Made, Settings, frames, make};
+pub(super) use making::{Made, Next, Settings, frames, make, shown};
 pub(super) use page::page;
+pub(super) use record::{Part, parts};
 pub(super) use sheet::png;
 
 pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
@@ -48,7 +49,14 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     let stage = console.stage("reading the drawings");
     let understood = frames(&board, &model, &args.board)?;
     drop(stage);
-    let made = make(&understood, &model, encoder.as_ref(), &Settings::of(args), &args.board, console)?;
+    let made = make(
+        &understood,
+        &model,
+        encoder.as_ref(),
+        &Settings::of(args),
+        &args.board,
+        &mut shown(console, understood.len()),
+    )?;
 
     let mut warnings: Vec<String> = understood
         .iter()

@@ -43,43 +43,43 @@ pub(super) struct Record {
 
 /// One frame of the storyboard.
 #[derive(Serialize)]
-struct Part {
+pub(in crate::commands) struct Part {
     word: String,
     /// Where in the animation it begins, frames.
-    begins: usize,
-    frames: usize,
+    pub(in crate::commands) begins: usize,
+    pub(in crate::commands) frames: usize,
     /// Which of its own frames has the drawn pose.
-    key_frame: Option<usize>,
+    pub(in crate::commands) key_frame: Option<usize>,
     /// What was read of the figure, on the canvas.
-    joints: Vec<Joint>,
-    trajectories: Vec<WayRecord>,
+    pub(in crate::commands) joints: Vec<Joint>,
+    pub(in crate::commands) trajectories: Vec<WayRecord>,
     candidate: usize,
     evaluations: usize,
     /// Mean and largest distance on the picture between asked places and joints, as sampled.
     sampled: [f32; 2],
     /// The same in the animation.
-    result: [f32; 2],
+    pub(in crate::commands) result: [f32; 2],
     /// How far joints of the drawn pose were moved at most to be those of a person, metres.
     proportioned: f32,
 }
 
 #[derive(Serialize)]
-struct Joint {
-    name: &'static str,
-    x: f64,
-    y: f64,
-    confidence: f32,
-    pinned: bool,
+pub(in crate::commands) struct Joint {
+    pub(in crate::commands) name: &'static str,
+    pub(in crate::commands) x: f64,
+    pub(in crate::commands) y: f64,
+    pub(in crate::commands) confidence: f32,
+    pub(in crate::commands) pinned: bool,
 }
 
 #[derive(Serialize)]
-struct WayRecord {
-    joint: &'static str,
+pub(in crate::commands) struct WayRecord {
+    pub(in crate::commands) joint: &'static str,
     /// `start` or `end`: where on the line the figure is.
-    figure: &'static str,
+    pub(in crate::commands) figure: &'static str,
     /// First of the frame's own frames, and how many.
-    first: usize,
-    frames: usize,
+    pub(in crate::commands) first: usize,
+    pub(in crate::commands) frames: usize,
 }
 
 impl Record {
@@ -90,50 +90,9 @@ impl Record {
         certificate: Option<CertificateRecord>,
         mut warnings: Vec<String>,
     ) -> Self {
-        let Animation { clip: whole, joined, goals, met, proportioned, .. } = &made.animation;
+        let Animation { clip: whole, met, .. } = &made.animation;
         let motion = poses(whole);
-        let name = |joint: usize| NAMES.get(joint).copied().unwrap_or_default();
-        let mut parts = Vec::new();
-        for (at, frame) in understood.iter().enumerate() {
-            let (Some(clip), Some(start), Some(goals)) =
-                (made.clips.get(at), joined.starts.get(at), goals.get(at))
-            else {
-                continue;
-            };
-            let joints = frame.figure.iter().flat_map(|figure| {
-                figure.joints.iter().enumerate().filter_map(|(joint, found)| {
-                    let found = (*found)?;
-                    let ([x, y], confidence, pinned) = (found.at, found.confidence, found.pinned);
-                    Some(Joint { name: name(joint), x, y, confidence, pinned })
-                })
-            });
-            let trajectories =
-                frame.attached.iter().zip(&clip.plan.ways).map(|(way, (joint, first, places))| {
-                    let figure = if way.figure == End::Start { "start" } else { "end" };
-                    WayRecord { joint: name(*joint), figure, first: *first, frames: places.len() }
-                });
-            let result = misses(&motion, goals);
-            if args.exact == ExactArg::Pin && result[1] > 0.01 {
-                warnings.push(format!(
-                    "frame {}: the lines are missed by up to {} cm: a person cannot be everywhere that is drawn at once. Look at the sheet for pins and lines that contradict each other",
-                    at + 1,
-                    fixed(100.0 * f64::from(result[1]), 1)
-                ));
-            }
-            parts.push(Part {
-                word: clip.plan.word.clone(),
-                begins: *start,
-                frames: clip.plan.frames,
-                key_frame: clip.plan.keypose.as_ref().map(|(frame, _)| *frame),
-                joints: joints.collect(),
-                trajectories: trajectories.collect(),
-                candidate: clip.candidate,
-                evaluations: clip.evaluations,
-                sampled: [clip.error, clip.worst],
-                result,
-                proportioned: proportioned.get(at).copied().unwrap_or(0.0),
-            });
-        }
+        let parts = parts(understood, made, args.exact, &mut warnings);
         Self {
             program: PROGRAM,
             storyboard: json_path(&args.board),
@@ -213,6 +172,59 @@ impl Record {
         }
         text
     }
+}
+
+/// What came of each frame; what the user should know of one goes to `warnings`, its number before it.
+pub(in crate::commands) fn parts(
+    understood: &[Understood],
+    made: &Made,
+    exact: ExactArg,
+    warnings: &mut Vec<String>,
+) -> Vec<Part> {
+    let Animation { clip: whole, joined, goals, proportioned, .. } = &made.animation;
+    let motion = poses(whole);
+    let name = |joint: usize| NAMES.get(joint).copied().unwrap_or_default();
+    let mut parts = Vec::new();
+    for (at, frame) in understood.iter().enumerate() {
+        let (Some(clip), Some(start), Some(goals)) =
+            (made.clips.get(at), joined.starts.get(at), goals.get(at))
+        else {
+            continue;
+        };
+        let joints = frame.figure.iter().flat_map(|figure| {
+            figure.joints.iter().enumerate().filter_map(|(joint, found)| {
+                let found = (*found)?;
+                let ([x, y], confidence, pinned) = (found.at, found.confidence, found.pinned);
+                Some(Joint { name: name(joint), x, y, confidence, pinned })
+            })
+        });
+        let trajectories = frame.attached.iter().zip(&clip.plan.ways).map(|(way, (joint, first, places))| {
+            let figure = if way.figure == End::Start { "start" } else { "end" };
+            WayRecord { joint: name(*joint), figure, first: *first, frames: places.len() }
+        });
+        let result = misses(&motion, goals);
+        if exact == ExactArg::Pin && result[1] > 0.01 {
+            warnings.push(format!(
+                "frame {}: the lines are missed by up to {} cm: a person cannot be everywhere that is drawn at once. Look at the sheet for pins and lines that contradict each other",
+                at + 1,
+                fixed(100.0 * f64::from(result[1]), 1)
+            ));
+        }
+        parts.push(Part {
+            word: clip.plan.word.clone(),
+            begins: *start,
+            frames: clip.plan.frames,
+            key_frame: clip.plan.keypose.as_ref().map(|(frame, _)| *frame),
+            joints: joints.collect(),
+            trajectories: trajectories.collect(),
+            candidate: clip.candidate,
+            evaluations: clip.evaluations,
+            sampled: [clip.error, clip.worst],
+            result,
+            proportioned: proportioned.get(at).copied().unwrap_or(0.0),
+        });
+    }
+    parts
 }
 
 fn poses(clip: &Clip) -> Vec<Joints> {
