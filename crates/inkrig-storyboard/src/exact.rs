@@ -78,7 +78,7 @@ pub struct MeetOptions {
 impl Default for MeetOptions {
     /// Two millimetres.
     fn default() -> Self {
-        Self { tolerance: 0.002, weight: 1e6, steps: 60 }
+        Self { tolerance: 0.002, weight: 1e6, steps: 120 }
     }
 }
 
@@ -105,7 +105,7 @@ pub struct Met {
 /// How much goals weigh, from round to round.
 const ROUNDS: [f64; 6] = [1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
 /// Steps of a round.
-const STEPS: usize = 8;
+const STEPS: usize = 16;
 /// A round is done when a step makes less of the costs, as a share.
 const LITTLE: f64 = 3e-4;
 /// Limbs of drawn poses are a little bent: a place that can just be reached is met slowly, and held by a knee that snaps.
