@@ -115,8 +115,26 @@ async function drive(tab, canvas, found) {
     if (!(await within(async () => !(await moves(tab, canvas))))) found.push('the canvas still moves after pause');
   }
   await scrub(tab, canvas, found);
-  await point(tab, found);
-  await pick(tab, found);
+  if ((await tab.locator('#curve-heading').textContent()) === 'Storyboard') {
+    await board(tab, found);
+  } else {
+    await point(tab, found);
+    await pick(tab, found);
+  }
+}
+
+// The drawing beside the motion is that of the frame that is played.
+async function board(tab, found) {
+  const drawing = tab.locator('#curve');
+  const shots = [];
+  for (const key of ['Home', 'End']) {
+    await tab.keyboard.press(key);
+    await tab.waitForTimeout(MOMENT / 2);
+    shots.push(await drawing.screenshot());
+  }
+  for (const shot of shots) if (await isBlank(tab, shot)) found.push('a frame of the storyboard is blank');
+  if (shots[0].equals(shots[1])) found.push('the first and the last frame of the storyboard are the same');
+  if (await tab.locator('.key.way').isHidden()) found.push('no drawn way is named in the legend');
 }
 
 // Points at the drawing until it says which part of the clip it uses there.

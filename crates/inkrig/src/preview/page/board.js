@@ -15,19 +15,31 @@ class BoardView {
   resize(theme) {
     this.surface = fitCanvas(this.canvas);
     this.theme = theme;
+    this.still = null;
   }
 
   draw(seconds) {
     const { context, width, height } = this.surface;
     const index = boardFrameAt(this.data, seconds);
-    const frame = this.data.board[index];
+    const { key } = this.data.board[index];
+    const keyed = key !== null && Math.abs(seconds - key) < 0.06;
+    const name = `${index} ${keyed}`;
+    // Lines of a pen have many points: a drawing is made once for as long as it is shown.
+    if (this.still?.name !== name) {
+      this.still = { name, layer: stillLayer(this.surface, (layer) => this.drawStill(layer, this.data.board[index], keyed)) };
+    }
     context.clearRect(0, 0, width, height);
+    context.drawImage(this.still.layer, 0, 0, width, height);
+    this.drawStrip(index, seconds);
+  }
+
+  drawStill(context, frame, keyed) {
+    const { width, height } = this.surface;
     const [left, top, right, bottom] = [36, 64, 36, 56];
     const room = [Math.max(width - left - right, 1), Math.max(height - top - bottom, 1)];
     const scale = Math.min(room[0] / Math.max(frame.size[0], 1e-6), room[1] / Math.max(frame.size[1], 1e-6));
     const [x, y] = [left + (room[0] - scale * frame.size[0]) / 2, top + (room[1] + scale * frame.size[1]) / 2];
     const place = (point) => [x + scale * point[0], y - scale * point[1]];
-    const keyed = frame.key !== null && Math.abs(seconds - frame.key) < 0.06;
     const { theme } = this;
     const inks = {
       scene: [theme.line, 2], body: [keyed ? theme.key : theme.ink, 2.6], way: [theme.drawn, 2.6],
@@ -42,7 +54,6 @@ class BoardView {
     }
     context.fillStyle = css(theme.accent, 0.8);
     for (const joint of frame.joints) disc(context, place(joint), 3);
-    this.drawStrip(index, seconds);
   }
 
   /** Which of the frames it is, and how much of each is over. */
