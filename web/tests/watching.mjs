@@ -37,7 +37,8 @@ try {
       await touch('touchStart', places[0]);
       for (const place of places.slice(1)) {
         await touch('touchMove', place);
-        await rest(8);
+        // A stroke of less than a second is too short to be followed.
+        await rest(40);
       }
       await touch('touchEnd');
     };

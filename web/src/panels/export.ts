@@ -72,7 +72,7 @@ export function showExport(session: Session, files: Files): void {
   }), 'primary');
   save.disabled = !result && !source;
 
-  const code = h('code', {});
+  const code = h('code', { tabindex: 0, 'aria-label': 'The command line' });
   const copy = button('Copy', () => void copyText(code.textContent ?? '', copy));
   const drawn = h('div', { class: 'row' });
   const command = section('The same on the command line', h('div', { class: 'command' }, code, copy), drawn);
