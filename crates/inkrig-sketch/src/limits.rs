@@ -40,3 +40,9 @@ pub const MAX_STORYBOARD_TEXT: usize = 4096;
 pub const MIN_STORYBOARD_SECONDS: f64 = 0.1;
 /// See [`MIN_STORYBOARD_SECONDS`].
 pub const MAX_STORYBOARD_SECONDS: f64 = 60.0;
+/// Most edits of a storyboard's frame, and most constraints.
+pub const MAX_STORYBOARD_EDITS: usize = 2000;
+/// See [`MAX_STORYBOARD_EDITS`].
+pub const MAX_STORYBOARD_CONSTRAINTS: usize = 64;
+/// Farthest that a place of an edit or a constraint is from where its clip begins, along each axis, metres.
+pub const MAX_STORYBOARD_METRES: f64 = 100.0;

@@ -89,7 +89,7 @@ impl Frame {
         for joint in self.trajectories.iter().filter_map(|way| way.joint.as_ref()) {
             text(&format!("frame {number}, trajectory's joint"), joint)?;
         }
-        Ok(())
+        self.check_space(number)
     }
 }
 
@@ -132,7 +132,7 @@ fn is_place(number: f64) -> bool {
     number.abs() <= MAX_MAGNITUDE
 }
 
-fn text(place: &str, value: &str) -> Result<(), SketchError> {
+pub(super) fn text(place: &str, value: &str) -> Result<(), SketchError> {
     if value.len() <= MAX_STORYBOARD_TEXT {
         return Ok(());
     }

@@ -123,7 +123,7 @@ fn is_stroke(value: &serde_json::Value) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{End, FrameCamera, Pin, Stroke, Trajectory};
+    use super::super::{Constraint, Edit, End, FrameCamera, Pin, Stroke, Trajectory};
     use super::*;
 
     fn board() -> Storyboard {
@@ -142,6 +142,9 @@ mod tests {
             speed_lines: vec![line.clone()],
             scene: vec![line],
             pins: vec![Pin { joint: "head".into(), at: [3.0, 4.0] }],
+            edits: vec![Edit { joint: "right_wrist".into(), frame: 12, at: [0.25, 1.5, -0.125] }],
+            lock_ends: true,
+            constraints: constraints(),
             camera: FrameCamera { pitch_degrees: 10.0, yaw_degrees: -30.0 },
             seconds: Some(1.5),
             notes: "a \"note\"\n".into(),
@@ -150,6 +153,25 @@ mod tests {
             title: "two".into(),
             frames: vec![frame, Frame { word: "walk".into(), ..Frame::default() }],
         }
+    }
+
+    fn constraints() -> Vec<Constraint> {
+        let name = || "left_wrist".to_owned();
+        let plane = |height, normal, through| Constraint::Plane {
+            joint: name(),
+            height,
+            normal,
+            through,
+            frames: Some([3, 9]),
+        };
+        vec![
+            Constraint::Distance { joints: [name(), "right_wrist".into()], metres: Some(0.5), frames: None },
+            Constraint::Distance { joints: [name(), "head".into()], metres: None, frames: Some([0, 0]) },
+            plane(Some(0.0), None, None),
+            plane(None, Some([0.0, 0.0, 1.0]), Some([0.0, 0.0, 0.5])),
+            Constraint::Box { joint: name(), from: [0.0; 3], to: [0.5, 0.75, -1.0], frames: None },
+            Constraint::Balance { frames: None },
+        ]
     }
 
     #[test]
@@ -195,6 +217,54 @@ mod tests {
             (frame(r#""seconds": 0"#), "frame 1, seconds: 0 is not 0.1 to 60"),
             (frame(r#""camera": {"pitch_degrees": 100}"#), "frame 1, camera: pitch 100 and yaw 30"),
             (frame(r#""pins": [{"joint": "head", "at": [0, 1e99]}]"#), "pin of head"),
+            (
+                frame(r#""edits": [{"joint": "head", "frame": 2, "at": [0, 1e9, 0]}]"#),
+                "frame 1, edit of head at frame 2: 1000000000 is no place",
+            ),
+            (
+                frame(r#""seconds": 1, "edits": [{"joint": "head", "frame": 20, "at": [0, 1, 0]}]"#),
+                "edit of head at frame 20: the clip has frames 0 to 19",
+            ),
+            (
+                frame(
+                    r#""edits": [{"joint": "head", "frame": 2, "at": [0, 1, 0]}, {"joint": "head", "frame": 2, "at": [0, 2, 0]}]"#,
+                ),
+                "it is at [0.0, 1.0, 0.0] and at [0.0, 2.0, 0.0]",
+            ),
+            (frame(r#""edits": [{"joint": "head", "frame": -1, "at": [0, 1, 0]}]"#), "invalid value"),
+            (frame(r#""constraints": [{"kind": "rope"}]"#), "unknown variant `rope`"),
+            (frame(r#""constraints": [{"kind": "balance", "joint": "head"}]"#), "unknown field `joint`"),
+            (frame(r#""constraints": [{"kind": "plane", "joint": "head"}]"#), "it needs \"height\", or"),
+            (
+                frame(
+                    r#""constraints": [{"kind": "plane", "joint": "head", "normal": [0, 0, 0], "through": [0, 0, 0]}]"#,
+                ),
+                "says no direction",
+            ),
+            (
+                frame(
+                    r#""constraints": [{"kind": "box", "joint": "head", "from": [0, 0, 0], "to": [1, 0, 1]}]"#,
+                ),
+                "constraint 1 (box): the box from",
+            ),
+            (
+                frame(r#""constraints": [{"kind": "distance", "joints": ["left_wrist", "left_wrist"]}]"#),
+                "Name two",
+            ),
+            (
+                frame(
+                    r#""constraints": [{"kind": "distance", "joints": ["left_wrist", "head"], "metres": 9}]"#,
+                ),
+                "9 m is not a distance",
+            ),
+            (
+                frame(r#""constraints": [{"kind": "balance", "frames": [9, 3]}]"#),
+                "it begins at frame 9, behind its last, 3",
+            ),
+            (
+                frame(r#""seconds": 1, "constraints": [{"kind": "balance", "frames": [0, 30]}]"#),
+                "it ends at frame 30; the clip has frames 0 to 19",
+            ),
             (frame(&format!(r#""word": "{}""#, "a".repeat(5000))), "frame 1, word: 5000 bytes"),
             ("[".repeat(3_000_000), "at most 1000000 are read"),
             ("{".repeat(100_000), "at most 50000 are read"),

@@ -5,10 +5,12 @@ mod check;
 mod colours;
 mod file;
 mod rows;
+mod space;
 mod svg;
 
 pub use colours::{Kind, kind_of_colour};
 pub use file::{read_storyboard, write_storyboard};
+pub use space::{Constraint, Edit};
 pub use svg::read_storyboard_svg;
 
 use serde::{Deserialize, Serialize};
@@ -55,6 +57,15 @@ pub struct Frame {
     /// Where joints are, said by the user. They win over what is read from the body.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pins: Vec<Pin>,
+    /// Joints that were moved in space, after the motion was made.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub edits: Vec<Edit>,
+    /// Whether the clip's first and last pose stay as they were without edits, so that no other clip moves.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub lock_ends: bool,
+    /// What holds between joints and the world around.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub constraints: Vec<Constraint>,
     /// The camera that the frame is drawn through.
     pub camera: FrameCamera,
     /// How long it lasts; without it as long as the trajectories ask for, or two seconds.
