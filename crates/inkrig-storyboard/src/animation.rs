@@ -96,6 +96,7 @@ fn contacts(clips: &[Generated], joined: &Joined) -> Vec<[f32; 4]> {
 /// Moves a picture to where its motion has gone: a drawing says nothing of where on the picture its origin is.
 fn follow(goals: &mut [Goal], motion: &[Joints]) {
     let misses = goals.iter().filter_map(|goal| Some(goal.miss(motion.get(goal.frame)?[goal.joint])));
-    let (sum, count) = misses.fold((Vec2::ZERO, 0.0_f32), |(sum, count), miss| (sum + miss, count + 1.0));
+    let (sum, count) =
+        misses.fold((Vec2::ZERO, 0.0_f32), |(sum, count), miss| (sum + miss.truncate(), count + 1.0));
     goals.iter_mut().for_each(|goal| goal.at += sum / count.max(1.0));
 }

@@ -5,64 +5,23 @@
 //! whatever happens. All frames are solved at once: the change of each bone, and how it goes on over frames, against goals that weigh
 //! more from round to round (the penalty method, Nocedal and Wright 2006, section 17.1), each round by damped Gauss-Newton steps.
 
+mod asked;
 mod band;
 mod body;
+mod constraints;
 mod costs;
+mod mass;
+mod stands;
+
+pub use asked::{Asked, Goal, Source};
+pub use constraints::{Constraint, Cuboid, Rule};
 
 use band::Band;
 use body::{Body, FREEDOMS, Stance, places, single};
 use costs::{Costs, Listener, REACH, Sum};
-use inkrig_motion::glam::{Quat, Vec2, Vec3};
-use inkrig_motion::humanml::{Camera, JOINTS, Joints};
+use inkrig_motion::glam::{Vec2, Vec3};
+use inkrig_motion::humanml::{JOINTS, Joints};
 use inkrig_motion::{Clip, kinematics};
-
-/// What of a drawing a goal comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Source {
-    /// A trajectory.
-    Way,
-    /// A joint that the user has placed.
-    Pin,
-    /// A joint that was read of the figure: it gives way to the others where a body cannot have all.
-    Pose,
-}
-
-/// A joint's place on a picture, at a frame of a motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Goal {
-    /// Frame of the motion.
-    pub frame: usize,
-    /// Joint, 0 to 21.
-    pub joint: usize,
-    /// The picture's axes in the motion's world.
-    pub axes: [Vec3; 2],
-    /// The place along them, metres.
-    pub at: Vec2,
-    /// What asks for it.
-    pub source: Source,
-}
-
-impl Goal {
-    /// A place on the picture of a clip that was turned and shifted into the motion.
-    pub fn placed(
-        frame: usize,
-        joint: usize,
-        at: Vec2,
-        camera: &Camera,
-        (turn, shift): (Quat, Vec3),
-        source: Source,
-    ) -> Self {
-        let view = camera.view_from_world();
-        let axes = [view.row(0), view.row(1)].map(|axis| turn * axis);
-        let at = at + Vec2::new(axes[0].dot(shift), axes[1].dot(shift));
-        Self { frame, joint, axes, at, source }
-    }
-
-    /// How far a place is from it on the picture.
-    pub fn miss(&self, place: Vec3) -> Vec2 {
-        Vec2::new(self.axes[0].dot(place), self.axes[1].dot(place)) - self.at
-    }
-}
 
 /// When goals are met well enough.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,6 +63,8 @@ pub struct Met {
 
 /// How much goals weigh, from round to round.
 const ROUNDS: [f64; 6] = [1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
+/// A place in space counts as so many: it pulls a single frame against all around.
+const ALONE: f64 = 100.0;
 /// Steps of a round.
 const STEPS: usize = 16;
 /// A round is done when a step makes less of the costs, as a share.
@@ -119,25 +80,41 @@ const HOPELESS: f64 = 1e6;
 ///
 /// A clip of another skeleton stays as it is, as its misses say.
 pub fn meet(clip: &Clip, goals: &[Goal], standing: &[[bool; 2]], options: &MeetOptions) -> Met {
+    meet_all(clip, &Asked { goals, ..Asked::default() }, standing, options)
+}
+
+/// The same with constraints, and frames that stay. What was put in space is met however little the drawing counts.
+pub fn meet_all(clip: &Clip, asked: &Asked<'_>, standing: &[[bool; 2]], options: &MeetOptions) -> Met {
     let motion = joints_of(clip);
-    let goals: Vec<Goal> =
-        goals.iter().filter(|goal| goal.frame < motion.len() && goal.joint < JOINTS).copied().collect();
+    let can_be = |goal: &&Goal| goal.frame < motion.len() && goal.joint < JOINTS;
+    let goals: Vec<Goal> = asked.goals.iter().filter(can_be).copied().collect();
+    let asked = Asked { goals: &goals, ..*asked };
     let before = misses(&motion, &goals);
-    if goals.is_empty() || clip.skeleton().len() != JOINTS {
+    if (goals.is_empty() && asked.constraints.is_empty()) || clip.skeleton().len() != JOINTS {
         return Met { motion, before, after: before, steps: 0 };
     }
     let body = Body::of(clip);
     let mut stances = body.stances(clip);
-    let mut costs = Costs::new(&body, &stances, &goals, standing);
+    let mut costs = Costs::new(&body, &stances, &asked, standing);
     let mut band = Band::new(FREEDOMS * stances.len(), FREEDOMS * (REACH + 1) - 1);
+    band.hold(asked.frozen, FREEDOMS);
     let shown = |stances: &[Stance]| -> Vec<Joints> {
         stances.iter().map(|stance| single(&places(&body.bones(stance)))).collect()
     };
+    let edited = asked.edits().next().is_some();
+    let exact = MeetOptions::default();
+    let (most, tolerance) = if edited {
+        (options.steps.max(exact.steps), options.tolerance.min(exact.tolerance))
+    } else {
+        (options.steps, options.tolerance)
+    };
     let mut steps = 0;
-    for weight in ROUNDS.into_iter().filter(|weight| *weight <= options.weight) {
-        costs.goal = weight;
-        steps += settle(&costs, &mut stances, &mut band, STEPS.min(options.steps - steps));
-        if steps >= options.steps || misses(&shown(&stances), &goals)[1] < options.tolerance {
+    for weight in ROUNDS.into_iter().filter(|weight| edited || *weight <= options.weight) {
+        (costs.goal, costs.edit) = (weight.min(options.weight), ALONE * weight);
+        steps += settle(&costs, &mut stances, &mut band, STEPS.min(most - steps));
+        let now = shown(&stances);
+        let met = asked.worst(&now, standing, weight <= options.weight) < tolerance;
+        if steps >= most || met {
             break;
         }
     }
@@ -201,16 +178,17 @@ pub fn proportion(clip: &Clip, goals: &mut [Goal]) -> f32 {
         if !own.iter().any(|goal| goal.source == Source::Pose) {
             continue;
         }
-        let mut costs = Costs::new(&body, std::slice::from_ref(stance), &own, &[]);
+        let asked = Asked { goals: &own, ..Asked::default() };
+        let mut costs = Costs::new(&body, std::slice::from_ref(stance), &asked, &[]);
         let mut fitted = vec![stance.clone()];
         let mut band = Band::new(FREEDOMS, FREEDOMS - 1);
         for weight in ROUNDS {
-            costs.goal = weight;
+            (costs.goal, costs.edit) = (weight, ALONE * weight);
             settle(&costs, &mut fitted, &mut band, 2 * STEPS);
         }
         let Some(pose) = fitted.first().map(|stance| single(&places(&body.bones(stance)))) else { continue };
         for goal in goals.iter_mut().filter(|goal| goal.frame == frame && goal.source == Source::Pose) {
-            let miss = pose.get(goal.joint).map_or(Vec2::ZERO, |place| goal.miss(*place));
+            let miss = pose.get(goal.joint).map_or(Vec2::ZERO, |place| goal.miss(*place).truncate());
             goal.at += miss;
             farthest = farthest.max(miss.length());
         }

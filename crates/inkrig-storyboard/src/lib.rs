@@ -23,7 +23,9 @@ mod timing;
 pub use animation::{Animation, Exact, animation};
 pub use attach::Way;
 pub use error::StoryboardError;
-pub use exact::{Goal, MeetOptions, Met, Source, meet, misses, proportion};
+pub use exact::{
+    Asked, Constraint, Cuboid, Goal, MeetOptions, Met, Rule, Source, meet, meet_all, misses, proportion,
+};
 pub use figure::{Figure, Found, read_figure};
 pub use generate::{Generated, Maker, MakerOptions};
 pub use picture::{Picture, storyboard_of_picture};

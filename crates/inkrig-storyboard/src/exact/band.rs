@@ -9,13 +9,23 @@ pub(super) struct Band {
     /// Half of the gradient.
     right: Vec<f64>,
     factor: Vec<f64>,
+    /// Unknowns that stay 0; none beyond the end.
+    held: Vec<bool>,
+    free: Vec<(usize, f64)>,
 }
 
 impl Band {
     /// For `size` unknowns, of which no two that are more than `width` apart meet in a row.
     pub(super) fn new(size: usize, width: usize) -> Self {
         let all = size * (width + 1);
-        Self { size, width, matrix: vec![0.0; all], right: vec![0.0; size], factor: vec![0.0; all] }
+        let (matrix, factor) = (vec![0.0; all], vec![0.0; all]);
+        Self { size, width, matrix, right: vec![0.0; size], factor, held: Vec::new(), free: Vec::new() }
+    }
+
+    /// Lets unknowns stay 0, so many for each of these.
+    pub(super) fn hold(&mut self, held: &[bool], each: usize) {
+        let all = held.iter().flat_map(|held| std::iter::repeat_n(*held, each));
+        self.held = if held.contains(&true) { all.collect() } else { Vec::new() };
     }
 
     pub(super) fn clear(&mut self) {
@@ -25,6 +35,17 @@ impl Band {
 
     /// Adds a weighted squared residual that is linear in some unknowns, in rising order.
     pub(super) fn add(&mut self, weight: f64, residual: f64, by: &[(usize, f64)]) {
+        if self.held.is_empty() {
+            return self.gather(weight, residual, by);
+        }
+        let mut free = std::mem::take(&mut self.free);
+        free.clear();
+        free.extend(by.iter().filter(|(at, _)| !self.held.get(*at).copied().unwrap_or(false)));
+        self.gather(weight, residual, &free);
+        self.free = free;
+    }
+
+    fn gather(&mut self, weight: f64, residual: f64, by: &[(usize, f64)]) {
         for (number, (row, a)) in by.iter().enumerate() {
             let a = weight * a;
             self.right[*row] += a * residual;
@@ -117,5 +138,12 @@ mod tests {
         let step = band.step(0.0).unwrap();
         assert!(step.iter().zip(&known).all(|(a, b)| (a - b).abs() < 1e-6), "{step:?}");
         assert!(Band::new(1, 0).step(f64::NAN).is_none());
+        let mut band = Band::new(4, 1);
+        band.hold(&[false, true], 2);
+        band.add(1.0, -3.0, &[(1, 1.0), (2, 1.0)]);
+        assert_eq!(
+            band.step(0.0).unwrap().iter().map(|at| (at * 1e6).round() / 1e6).collect::<Vec<f64>>(),
+            [0.0, 3.0, 0.0, 0.0]
+        );
     }
 }

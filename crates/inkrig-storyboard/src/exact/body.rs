@@ -112,6 +112,9 @@ impl Body {
 impl Stance {
     /// After a step of [`FREEDOMS`] numbers.
     pub(super) fn moved(&self, step: &[f64]) -> Self {
+        if step.iter().all(|step| *step == 0.0) {
+            return self.clone();
+        }
         let vector = |at: usize| match step.get(at..at + 3) {
             Some([x, y, z]) => DVec3::new(*x, *y, *z),
             _ => DVec3::ZERO,
@@ -138,6 +141,10 @@ pub(super) fn places(bones: &Places) -> Places {
 
 pub(super) fn single(places: &Places) -> Joints {
     places.map(DVec3::as_vec3)
+}
+
+pub(super) fn doubled(places: &Joints) -> Places {
+    places.map(Vec3::as_dvec3)
 }
 
 /// A joint and those above it, the root last.

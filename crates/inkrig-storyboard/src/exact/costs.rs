@@ -1,7 +1,8 @@
 //! What a change costs, as weighted squares of what is linear near by.
 
 use super::body::{Body, FREEDOMS, Moves, Places, Stance, chain, places};
-use super::{Goal, Source};
+use super::stands::{Stand, stands};
+use super::{Asked, Source};
 use inkrig_motion::glam::DVec3;
 use inkrig_motion::humanml::{JOINTS, PARENTS};
 
@@ -19,14 +20,12 @@ const FLOOR: f64 = 5_000.0;
 /// What joints of a drawn pose weigh against other goals.
 const POSE: f64 = 0.1;
 /// Joints that do not go through the floor, and how high they are at least, metres.
-const ABOVE: [(usize, f64); 9] =
+pub(super) const ABOVE: [(usize, f64); 9] =
     [(4, 0.03), (5, 0.03), (7, 0.04), (8, 0.04), (10, 0.0), (11, 0.0), (15, 0.05), (20, 0.0), (21, 0.0)];
 /// A foot that swings stays at least so high over the floor, or as high as it was, metres: else it slides.
 const CLEAR: f64 = 0.06;
 /// Ankle and toe of each foot.
-const FEET: [[usize; 2]; 2] = [[7, 10], [8, 11]];
-/// What stands goes less than this from frame to frame, metres.
-const STILL: f64 = 0.006;
+pub(super) const FEET: [[usize; 2]; 2] = [[7, 10], [8, 11]];
 /// Neighbouring unknowns reach over this many frames.
 pub(super) const REACH: usize = CHANGE.len() - 1;
 
@@ -50,40 +49,39 @@ pub(super) struct Costs<'a> {
     body: &'a Body,
     bones: Vec<Places>,
     places: Vec<Places>,
-    goals: &'a [Goal],
-    /// Frames and joints that stand until the next frame.
-    stands: Vec<(usize, usize)>,
+    asked: &'a Asked<'a>,
+    standing: &'a [[bool; 2]],
+    /// What stands until the next frame.
+    stands: Vec<Stand>,
     /// Whether each foot swings.
     swings: Vec<[bool; 2]>,
     weights: [f64; JOINTS],
-    /// Of goals.
+    /// How much more each frame stays as it is.
+    stays: Vec<f64>,
+    /// Of goals and constraints.
     pub(super) goal: f64,
+    /// Of places in space.
+    pub(super) edit: f64,
 }
 
 impl<'a> Costs<'a> {
-    pub(super) fn new(body: &'a Body, stances: &[Stance], goals: &'a [Goal], standing: &[[bool; 2]]) -> Self {
+    pub(super) fn new(
+        body: &'a Body,
+        stances: &[Stance],
+        asked: &'a Asked<'a>,
+        standing: &'a [[bool; 2]],
+    ) -> Self {
         let bones: Vec<Places> = stances.iter().map(|stance| body.bones(stance)).collect();
         let places: Vec<Places> = bones.iter().map(places).collect();
-        let asked = |frame: usize, foot: [usize; 2]| {
-            let of =
-                |frame: usize| goals.iter().any(|goal| goal.frame == frame && foot.contains(&goal.joint));
-            of(frame) && of(frame + 1)
-        };
-        let mut stands = Vec::new();
-        for (frame, (pair, stood)) in places.windows(2).zip(standing.windows(2)).enumerate() {
-            for (side, foot) in FEET.into_iter().enumerate() {
-                if stood[0][side] && stood[1][side] && !asked(frame, foot) {
-                    let still = |joint: &usize| pair[0][*joint].distance(pair[1][*joint]) < STILL;
-                    stands.extend(foot.into_iter().filter(still).map(|joint| (frame, joint)));
-                }
-            }
-        }
+        let stands = stands(&places, standing, asked);
         let mut weights = [1.0; JOINTS];
         for joint in (1..JOINTS).rev() {
             weights[PARENTS[joint]] += weights[joint];
         }
+        asked.stiffen(&mut weights);
         let swings = standing.iter().map(|stands| stands.map(|stands| !stands)).collect();
-        Self { body, bones, places, goals, stands, swings, weights, goal: 1.0 }
+        let stays = asked.stays(stances.len());
+        Self { body, bones, places, asked, standing, stands, swings, weights, stays, goal: 1.0, edit: 1.0 }
     }
 
     /// Tells of all costs of a motion.
@@ -94,17 +92,23 @@ impl<'a> Costs<'a> {
         let now: Vec<Places> = bones.iter().map(places).collect();
         self.changes(&bones, &moves, to);
         let mut rows = Rows { moves: &moves, to, by: Vec::new() };
-        for &(frame, joint) in &self.stands {
+        for &Stand { frame, joint, elsewhere } in &self.stands {
             let (here, next) = (now[frame][joint], now[frame + 1][joint]);
             for axis in 0..3 {
                 let way = DVec3::AXES[axis];
                 rows.joints(STAND, (next - here)[axis], &[(frame, joint, -way), (frame + 1, joint, way)]);
+                if elsewhere {
+                    continue;
+                }
                 let off = (here - self.places[frame][joint])[axis];
                 rows.joints(if axis == 1 { HEIGHT } else { STAY }, off, &[(frame, joint, way)]);
             }
         }
         for (frame, (own, before)) in now.iter().zip(&self.places).enumerate() {
             for (joint, floor) in ABOVE {
+                if self.asked.holds(frame, joint) {
+                    continue;
+                }
                 // What was below the floor before is not this step's to lift.
                 let swings = self
                     .swings
@@ -117,12 +121,26 @@ impl<'a> Costs<'a> {
                 }
             }
         }
-        for goal in self.goals {
+        for goal in self.asked.goals {
             let place = now[goal.frame][goal.joint];
-            let weight = if goal.source == Source::Pose { POSE * self.goal } else { self.goal };
-            for (axis, at) in goal.axes.iter().zip(goal.at.to_array()) {
+            let weight = match goal.source {
+                Source::Pose => POSE * self.goal,
+                Source::Edit => self.edit,
+                Source::Way | Source::Pin => self.goal,
+            };
+            for (axis, at) in goal.measured() {
                 let axis = axis.as_dvec3();
                 rows.joints(weight, axis.dot(place) - f64::from(at), &[(goal.frame, goal.joint, axis)]);
+            }
+        }
+        for constraint in self.asked.constraints {
+            for frame in constraint.frames.start..constraint.frames.end.min(now.len()) {
+                let stands = self.standing.get(frame).copied().unwrap_or_default();
+                constraint.rule.residuals(&now[frame], stands, &mut |residual, by| {
+                    let by: Vec<(usize, usize, DVec3)> =
+                        by.iter().map(|(joint, way)| (frame, *joint, *way)).collect();
+                    rows.joints(self.goal, residual, &by);
+                });
             }
         }
     }
@@ -147,7 +165,8 @@ impl<'a> Costs<'a> {
                             let each = moves[frame][joint].each();
                             by.extend(each.map(|(at, by)| (FREEDOMS * frame + at, factor * by[axis])));
                         }
-                        to.row(weight, difference[axis], &by);
+                        let stays = if order == 0 { self.stays[first] } else { 1.0 };
+                        to.row(stays * weight, difference[axis], &by);
                     }
                 }
             }

@@ -1,9 +1,15 @@
+#![allow(clippy::print_stdout, reason = "a test prints what it measures")]
+
 use super::*;
+use inkrig_motion::glam::Quat;
+use inkrig_motion::humanml::Camera;
 use inkrig_motion::humanml::{bone_lengths, skeleton, to_clip};
 use std::sync::Arc;
 
+const PLACED: (Quat, Vec3) = (Quat::IDENTITY, Vec3::ZERO);
+
 /// A person who stands with hanging arms and sways a little.
-fn standing(frames: usize) -> Clip {
+pub(super) fn standing(frames: usize) -> Clip {
     let pose: Joints = [
         [0.0, 0.93, 0.0],
         [0.09, 0.85, 0.0],
@@ -49,7 +55,7 @@ fn circle(clip: &Clip, joint: usize, radius: f32) -> Vec<Goal> {
             let angle = frame as f32 / motion.len() as f32 * std::f32::consts::TAU;
             let by = radius * Vec2::new(angle.sin(), 1.0 - angle.cos());
             let at = camera.project(motion[0][joint]) + by;
-            Goal::placed(frame, joint, at, &camera, (Quat::IDENTITY, Vec3::ZERO), Source::Way)
+            Goal::placed(frame, joint, at, &camera, PLACED, Source::Way)
         })
         .collect()
 }
@@ -73,8 +79,16 @@ fn residuals_change_as_is_said() {
     let goals = circle(&clip, 20, 0.2);
     let body = Body::of(&clip);
     let start = body.stances(&clip);
-    let mut costs = Costs::new(&body, &start, &goals, &[[true; 2]; 6]);
-    costs.goal = 3.0;
+    let edit = Goal::in_space(3, 21, Vec3::new(-0.4, 1.2, 0.3), &Camera::default(), PLACED);
+    let constraints = [
+        Constraint { frames: 1..4, rule: Rule::Distance([20, 21], 0.5) },
+        Constraint { frames: 2..9, rule: Rule::Plane(10, Vec3::Y, 0.2) },
+        Constraint { frames: 0..6, rule: Rule::Balance },
+    ];
+    let goals: Vec<Goal> = goals.into_iter().chain([edit]).collect();
+    let asked = Asked { goals: &goals, constraints: &constraints, frozen: &[] };
+    let mut costs = Costs::new(&body, &start, &asked, &[[true; 2]; 6]);
+    (costs.goal, costs.edit) = (3.0, 5.0);
     let away = |at: usize| 0.05 * (at as f64 * 1.7).sin();
     let shake = |own: &Stance, first: usize| {
         let step: Vec<f64> = (0..FREEDOMS).map(|at| away(first + at)).collect();
@@ -161,3 +175,96 @@ fn a_drawn_pose_is_given_the_proportions_of_a_body() {
     assert!(met.after[1] < 0.008, "{:?}", met.after);
     assert!(meet(&clip, &drawn, &[], &MeetOptions::default()).after[1] > 0.01);
 }
+
+/// The largest change of some joints in frames that are at least so far from a frame, metres.
+fn change(a: &[Joints], b: &[Joints], joints: &[usize], (frame, far): (usize, usize)) -> f32 {
+    let frames = a.iter().zip(b).enumerate().filter(|(at, _)| at.abs_diff(frame) >= far);
+    let each = frames.flat_map(|(_, (a, b))| joints.iter().map(move |joint| a[*joint].distance(b[*joint])));
+    each.fold(0.0, f32::max)
+}
+
+#[test]
+fn a_joint_that_is_put_in_space_moves_its_limb_and_the_frames_around() {
+    let clip = standing(60);
+    let motion = joints_of(&clip);
+    for (joint, by, limb) in [
+        (21, Vec3::new(-0.1, 0.35, 0.25), [17, 19, 21]),
+        (21, Vec3::new(0.0, 0.05, 0.1), [17, 19, 21]),
+        (10, Vec3::new(0.0, 0.3, 0.2), [4, 7, 10]),
+    ] {
+        let goal = Goal::in_space(30, joint, motion[30][joint] + by, &Camera::default(), PLACED);
+        let asked = Asked { goals: &[goal], ..Asked::default() };
+        // Whatever the drawing counts.
+        for options in [
+            MeetOptions::soft(),
+            MeetOptions::default(),
+            MeetOptions { weight: 0.0, ..MeetOptions::default() },
+        ] {
+            let met = meet_all(&clip, &asked, &[[true; 2]; 60], &options);
+            assert!(met.after[1] < 0.002, "{joint}: {:?} in {} steps", met.after, met.steps);
+            let others: Vec<usize> = (0..JOINTS).filter(|joint| !limb.contains(joint)).collect();
+            let (near, far) = (
+                change(&met.motion, &motion, &others, (30, 0)),
+                change(&met.motion, &motion, &limb, (30, 11)),
+            );
+            println!(
+                "{joint} by {:.2} m: others by {near:.4}, farther than 10 frames by {far:.4} m, {} steps",
+                by.length(),
+                met.steps
+            );
+            assert!(near < 0.1 * by.length() && far < 0.1 * by.length(), "{joint}: {near} {far}");
+        }
+    }
+}
+
+#[test]
+fn frozen_frames_stay_to_the_bit() {
+    let clip = standing(30);
+    let still = meet_all(&clip, &Asked { frozen: &[true; 30], ..FAR }, &[], &MeetOptions::default());
+    let frozen: Vec<bool> = (0..30).map(|frame| !(5..25).contains(&frame)).collect();
+    let met = meet_all(&clip, &Asked { frozen: &frozen, ..FAR }, &[], &MeetOptions::default());
+    for frame in 0..30 {
+        assert_eq!(met.motion[frame] == still.motion[frame], frozen[frame], "{frame}");
+    }
+    assert!(change(&still.motion, &joints_of(&clip), &[0, 20], (0, 0)) < 1e-5);
+}
+
+#[test]
+fn constraints_are_met() {
+    let clip = standing(40);
+    let cuboid = Cuboid::between(Vec3::new(0.0, 0.0, 0.1), Vec3::new(0.4, 0.3, 0.6));
+    for (name, rule) in [
+        ("a bar", Rule::Distance([20, 21], 0.6)),
+        ("a hand on the floor", Rule::Plane(20, Vec3::Y, 0.0)),
+        ("a hand on a wall", Rule::Plane(21, Vec3::Z, 0.4)),
+        ("a foot on a box", Rule::Box(10, cuboid)),
+    ] {
+        let constraints =
+            [Constraint { frames: 10..30, rule }, Constraint { frames: 0..40, rule: Rule::Balance }];
+        let asked = Asked { constraints: &constraints, ..Asked::default() };
+        let standing: Vec<[bool; 2]> = vec![[!name.starts_with("a foot"), true]; 40];
+        let met = meet_all(&clip, &asked, &standing, &MeetOptions::default());
+        let misses = constraints.map(|constraint| constraint.miss(&met.motion, &standing).unwrap());
+        println!("{name}: {misses:.4?} in {} steps", met.steps);
+        assert!(misses.iter().all(|(miss, _)| *miss < 0.004), "{name}: {misses:?}");
+        let bones = bone_lengths(&joints_of(&clip)[0]);
+        for pose in &met.motion {
+            let own = bone_lengths(pose);
+            assert!(own.iter().zip(&bones).all(|(a, b)| (a.length() - b.length()).abs() < 1e-4));
+        }
+    }
+}
+
+/// A hand that is asked for where it is not.
+const FAR: Asked<'_> = Asked {
+    goals: &[Goal {
+        frame: 15,
+        joint: 20,
+        axes: [Vec3::X, Vec3::Y],
+        at: Vec2::new(0.5, 1.3),
+        away: None,
+        source: Source::Way,
+    }],
+    constraints: &[],
+    frozen: &[],
+};
