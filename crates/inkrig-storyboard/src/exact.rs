@@ -19,7 +19,7 @@ pub use constraints::{Constraint, Cuboid, Rule};
 use band::Band;
 use body::{Body, FREEDOMS, Stance, places, single};
 use costs::{Costs, Listener, REACH, Sum};
-use inkrig_motion::glam::{Vec2, Vec3};
+use inkrig_motion::glam::Vec2;
 use inkrig_motion::humanml::{JOINTS, Joints};
 use inkrig_motion::{Clip, kinematics};
 
@@ -121,6 +121,12 @@ pub fn meet_all(clip: &Clip, asked: &Asked<'_>, standing: &[[bool; 2]], options:
     let motion = shown(&stances);
     let after = misses(&motion, &goals);
     Met { motion, before, after, steps }
+}
+
+/// A clip's joints as [`meet`] has them where it moves nothing, to the bit.
+pub(crate) fn as_it_is(clip: &Clip) -> Vec<Joints> {
+    let body = Body::of(clip);
+    body.stances(clip).iter().map(|stance| single(&places(&body.bones(stance)))).collect()
 }
 
 /// Damped Gauss-Newton steps (Levenberg and Marquardt) until little comes of them; says how many were taken.

@@ -64,6 +64,7 @@ mod tests {
             keypose: None,
             ways: vec![(0, 3, seen), (20, 0, vec![Vec2::ZERO; 5])],
             placed: true,
+            space: crate::space::Space::default(),
         };
         (plan, places)
     }

@@ -8,6 +8,7 @@
 mod animation;
 mod attach;
 mod calibrate;
+mod edited;
 mod error;
 mod exact;
 mod figure;
@@ -18,9 +19,10 @@ mod page;
 mod picture;
 mod plan;
 mod sequence;
+mod space;
 mod timing;
 
-pub use animation::{Animation, Exact, animation};
+pub use animation::{Animation, Exact, Kept, animation};
 pub use attach::Way;
 pub use error::StoryboardError;
 pub use exact::{
@@ -31,3 +33,4 @@ pub use generate::{Generated, Maker, MakerOptions};
 pub use picture::{Picture, storyboard_of_picture};
 pub use plan::{KeyJoint, Plan, Understood, understand};
 pub use sequence::{Blender, Joined, Transition, sequence};
+pub use space::Space;

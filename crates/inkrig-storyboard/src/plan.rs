@@ -6,6 +6,7 @@ use crate::error::{Problem, StoryboardError};
 use crate::exact::Source;
 use crate::figure::Figure;
 use crate::page::Page;
+use crate::space::Space;
 use crate::timing::{LEAST, timed, usual_speed};
 use inkrig_generate::guidance::Ask;
 use inkrig_generate::readers::network::Work;
@@ -72,6 +73,8 @@ pub struct Plan {
     /// Whether the places are where a clip that begins at the origin has them. A figure at the end of its way stands where
     /// the motion will have taken it, which is known only when there is one.
     pub placed: bool,
+    /// What is said of the motion in space, which no sampling sees: the motion is moved to it afterwards.
+    pub space: Space,
 }
 
 /// A frame, and what was made of it.
@@ -147,7 +150,11 @@ pub fn understand(
     body: &Joints,
     words: Option<&WordReader>,
 ) -> Result<Understood, StoryboardError> {
-    plan(frame, figure, body, words).map_err(|problem| problem.of_frame(number))
+    let read = plan(frame, figure, body, words).and_then(|mut read| {
+        read.plan.space = Space::of(frame, read.plan.frames, body)?;
+        Ok(read)
+    });
+    read.map_err(|problem| problem.of_frame(number))
 }
 
 fn plan(
@@ -183,6 +190,7 @@ fn plan(
         keypose: None,
         ways: Vec::new(),
         placed: true,
+        space: Space::default(),
     };
     let Some(figure) = figure else {
         if frame.trajectories.is_empty() {

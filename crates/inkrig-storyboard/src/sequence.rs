@@ -54,11 +54,21 @@ pub struct Blender<'a> {
 /// # Errors
 /// When the model cannot make a transition.
 pub fn sequence(clips: &[Generated], blender: Option<Blender<'_>>) -> Result<Joined, StoryboardError> {
+    let motions: Vec<&[Joints]> = clips.iter().map(|clip| clip.motion.as_slice()).collect();
+    sequence_of(clips, &motions, blender)
+}
+
+/// The same with other motions than the clips': each lies where its clip would.
+pub(crate) fn sequence_of(
+    clips: &[Generated],
+    motions: &[&[Joints]],
+    blender: Option<Blender<'_>>,
+) -> Result<Joined, StoryboardError> {
     let mut joined =
         Joined { motion: Vec::new(), starts: Vec::new(), placements: Vec::new(), transitions: Vec::new() };
-    for (number, clip) in clips.iter().enumerate() {
+    for (number, (clip, motion)) in clips.iter().zip(motions).enumerate() {
         let Some(before) = number.checked_sub(1).and_then(|before| clips.get(before)) else {
-            joined.motion = clip.motion.clone();
+            joined.motion = motion.to_vec();
             joined.starts.push(0);
             joined.placements.push((Quat::IDENTITY, Vec3::ZERO));
             continue;
@@ -66,7 +76,7 @@ pub fn sequence(clips: &[Generated], blender: Option<Blender<'_>>) -> Result<Joi
         let (tail, head) = (free(before).1.min(TRANSITION / 2), free(clip).0.min(TRANSITION / 2));
         let (tail, head) = (tail.min(before.motion.len() / 3), head.min(clip.motion.len() / 3));
         let inserted = LEAST.saturating_sub(tail + head);
-        joined.append(&clip.motion, tail, inserted, head);
+        joined.append(&clip.motion, motion, tail, inserted, head);
         if let Some(Blender { sampler, texts, options }) = blender
             && let (Some(transition), Some(text)) =
                 (joined.transitions.last().cloned(), texts.get(number - 1))
@@ -99,10 +109,13 @@ fn free(clip: &Generated) -> (usize, usize) {
 }
 
 impl Joined {
-    fn append(&mut self, next: &[Joints], tail: usize, inserted: usize, head: usize) {
-        let (Some(end), Some(begin)) = (self.motion.last().copied(), next.first().copied()) else { return };
-        let placed = placed_after(&self.motion, next);
-        let Some(first) = placed.first() else { return };
+    /// `like` says where the next motion lies.
+    fn append(&mut self, like: &[Joints], next: &[Joints], tail: usize, inserted: usize, head: usize) {
+        let (Some(end), Some(begin)) = (self.motion.last().copied(), like.first().copied()) else { return };
+        let like = &like[..like.len().min(5)];
+        let both = placed_after(&self.motion, &[like, next].concat());
+        let (like, placed) = both.split_at(like.len());
+        let Some(first) = like.first() else { return };
         // The way goes on at the mean of both speeds until the next clip begins.
         let last = self.motion.len() - 1;
         let flat = |by: Vec3| Vec3::new(by.x, 0.0, by.z);
@@ -111,7 +124,7 @@ impl Joined {
             _ => Vec3::ZERO,
         };
         let leaving = over(&self.motion[last.saturating_sub(4)..]);
-        let arriving = over(&placed[..placed.len().min(5)]);
+        let arriving = over(like);
         let by = 0.5 * (leaving + arriving) * (inserted + 1) as f32;
         // What was placed says how it was turned: two joints apart over the ground.
         let turn = turned(&begin, first);
@@ -215,6 +228,7 @@ mod tests {
             keypose: None,
             ways,
             placed: true,
+            space: crate::space::Space::default(),
         };
         Generated { contacts: Vec::new(), motion, plan, error: 0.0, worst: 0.0, candidate: 0, evaluations: 0 }
     }

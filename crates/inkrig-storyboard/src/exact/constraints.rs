@@ -11,6 +11,9 @@ use std::ops::Range;
 const FOOT: f64 = 0.045;
 const MARGIN: f64 = 0.01;
 
+/// Someone who is told what is missed, metres, and how that changes with places of joints.
+pub(super) type Tell<'a> = &'a mut dyn FnMut(f64, &[(usize, DVec3)]);
+
 /// Something that holds over frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constraint {
@@ -23,8 +26,8 @@ pub struct Constraint {
 /// What holds.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Rule {
-    /// Two joints are that far apart, metres.
-    Distance([usize; 2], f32),
+    /// Two joints are that far apart, metres; not asked for while it is not known how far.
+    Distance([usize; 2], Option<f32>),
     /// A joint is on a plane: its normal of length 1, and how far from the origin it is along that, metres.
     Plane(usize, Vec3, f32),
     /// A joint is on the surface of a box, and no joint is in it.
@@ -84,6 +87,17 @@ impl Constraint {
         Self { frames: self.frames.start + start..self.frames.end + start, rule }
     }
 
+    /// The same, a distance that is not known being that of a pose.
+    pub fn measured(&self, pose: &Joints) -> Self {
+        match self.rule {
+            Rule::Distance([a, b], None) => {
+                let rule = Rule::Distance([a, b], Some(pose[a].distance(pose[b])));
+                Self { rule, ..self.clone() }
+            }
+            _ => self.clone(),
+        }
+    }
+
     /// The largest miss, metres, and its frame; `None` where nothing is asked for. `standing`: whether the left and the right foot stand.
     pub fn miss(&self, motion: &[Joints], standing: &[[bool; 2]]) -> Option<(f32, usize)> {
         let mut worst = None;
@@ -110,14 +124,10 @@ impl Rule {
     }
 
     /// Tells of what is missed, metres, and how that changes with places of joints.
-    pub(super) fn residuals(
-        &self,
-        pose: &Places,
-        standing: [bool; 2],
-        tell: &mut dyn FnMut(f64, &[(usize, DVec3)]),
-    ) {
+    pub(super) fn residuals(&self, pose: &Places, standing: [bool; 2], tell: Tell<'_>) {
         match self {
-            Self::Distance([a, b], metres) => {
+            Self::Distance(_, None) => {}
+            Self::Distance([a, b], Some(metres)) => {
                 let between = pose[*a] - pose[*b];
                 let way = between.normalize_or(DVec3::X);
                 tell(between.length() - f64::from(*metres), &[(*a, way), (*b, -way)]);
@@ -142,7 +152,7 @@ impl Rule {
 }
 
 /// How far the centre of mass is from being over what the feet stand on.
-fn balance(pose: &Places, standing: [bool; 2], tell: &mut dyn FnMut(f64, &[(usize, DVec3)])) {
+fn balance(pose: &Places, standing: [bool; 2], tell: Tell<'_>) {
     let flat = |place: DVec3| DVec2::new(place.x, place.z);
     let (centre, shares) = centre_of_mass(pose);
     let centre = flat(centre);
@@ -152,24 +162,25 @@ fn balance(pose: &Places, standing: [bool; 2], tell: &mut dyn FnMut(f64, &[(usiz
         return;
     }
     // Outside of a convex hull, its nearest place is on a line between two of its corners.
-    let mut nearest: Option<(f64, DVec2, [(usize, f64); 2])> = None;
+    let mut nearest: Option<(DVec2, [(usize, f64); 2])> = None;
     for (number, (a, from)) in feet.iter().enumerate() {
         for (b, to) in feet.iter().skip(number + 1) {
             let line = *to - *from;
             let part = ((centre - *from).dot(line) / line.length_squared().max(1e-12)).clamp(0.0, 1.0);
             let off = centre - from.lerp(*to, part);
-            if nearest.is_none_or(|(other, ..)| off.length() < other) {
-                nearest = Some((off.length(), off.normalize_or(DVec2::X), [(*a, 1.0 - part), (*b, part)]));
+            if nearest.is_none_or(|(other, _)| off.length() < other.length()) {
+                nearest = Some((off, [(*a, 1.0 - part), (*b, part)]));
             }
         }
     }
-    if let Some((off, way, ends)) = nearest
-        && off > FOOT - MARGIN
+    if let Some((off, ends)) = nearest
+        && off.length() > FOOT - MARGIN
     {
+        let way = off.normalize_or(DVec2::X);
         let way = DVec3::new(way.x, 0.0, way.y);
         let mut by: Vec<(usize, DVec3)> = shares.map(|(joint, share)| (joint, share * way)).collect();
         by.extend(ends.map(|(joint, part)| (joint, -part * way)));
-        tell(off - (FOOT - MARGIN), &by);
+        tell(off.length() - (FOOT - MARGIN), &by);
     }
 }
 
@@ -210,7 +221,7 @@ mod tests {
             turn: Quat::from_rotation_y(0.4),
         };
         let rules = [
-            Rule::Distance([20, 11], 0.4),
+            Rule::Distance([20, 11], Some(0.4)),
             Rule::Plane(21, Vec3::new(0.6, 0.0, 0.8), 0.3),
             Rule::Box(20, cuboid),
             Rule::Balance,
@@ -283,7 +294,7 @@ mod tests {
         for rule in [
             Rule::Plane(20, Vec3::new(0.6, 0.0, 0.8), 0.3),
             Rule::Box(21, cuboid),
-            Rule::Distance([20, 21], 0.1),
+            Rule::Distance([20, 21], Some(0.1)),
         ] {
             let own = Constraint { frames: 1..3, rule };
             let (a, at) = own.miss(&motion, &[]).unwrap();

@@ -134,9 +134,10 @@ impl<'a> Costs<'a> {
             }
         }
         for constraint in self.asked.constraints {
-            for frame in constraint.frames.start..constraint.frames.end.min(now.len()) {
+            for frame in constraint.frames.clone() {
+                let Some(pose) = now.get(frame) else { break };
                 let stands = self.standing.get(frame).copied().unwrap_or_default();
-                constraint.rule.residuals(&now[frame], stands, &mut |residual, by| {
+                constraint.rule.residuals(pose, stands, &mut |residual, by| {
                     let by: Vec<(usize, usize, DVec3)> =
                         by.iter().map(|(joint, way)| (frame, *joint, *way)).collect();
                     rows.joints(self.goal, residual, &by);

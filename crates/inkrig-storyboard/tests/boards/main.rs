@@ -7,6 +7,7 @@
     reason = "a test may panic, and prints what it measures"
 )]
 
+mod edits;
 mod motions;
 mod onto;
 mod pages;
