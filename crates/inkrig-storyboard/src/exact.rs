@@ -19,7 +19,7 @@ pub use constraints::{Constraint, Cuboid, Rule};
 use band::Band;
 use body::{Body, FREEDOMS, Stance, places, single};
 use costs::{Costs, Listener, REACH, Sum};
-use inkrig_motion::glam::Vec2;
+use inkrig_motion::glam::{Vec2, Vec3};
 use inkrig_motion::humanml::{JOINTS, Joints};
 use inkrig_motion::{Clip, kinematics};
 
@@ -121,6 +121,11 @@ pub fn meet_all(clip: &Clip, asked: &Asked<'_>, standing: &[[bool; 2]], options:
     let motion = shown(&stances);
     let after = misses(&motion, &goals);
     Met { motion, before, after, steps }
+}
+
+/// Where the centre of mass of a body is, by the usual shares of its segments.
+pub fn centre_of_mass(pose: &Joints) -> Vec3 {
+    mass::centre_of_mass(&body::doubled(pose)).0.as_vec3()
 }
 
 /// A clip's joints as [`meet`] has them where it moves nothing, to the bit.

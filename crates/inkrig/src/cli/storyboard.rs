@@ -16,6 +16,8 @@ pub(super) const EXAMPLES: &str = r#"Examples:
       with a page that plays the motion beside the drawings
   inkrig storyboard kick.json --onto hero.glb -o hero-kick.glb
       on your own character, with a certificate of how exact it is there
+  inkrig storyboard kick.json --lock-ends --report kick-report.json -o kick.glb
+      after joints were moved in space ("edits" in the file): only that frame's motion changes, between its ends
 
 docs/storyboard.md says how storyboards are drawn and written."#;
 
@@ -44,6 +46,9 @@ pub struct StoryboardArgs {
     /// How a frame goes over into the next: smooth (cubics), or model (made by the model, slower)
     #[arg(long, default_value = "smooth")]
     pub blend: BlendArg,
+    /// Keep the first and the last pose of frames with edits, so that nothing after them moves
+    #[arg(long)]
+    pub lock_ends: bool,
     /// Write a motion for each frame too, beside OUT: OUT-1, OUT-2 ...
     #[arg(long)]
     pub clips: bool,

@@ -9,7 +9,7 @@ type Stroke = &'static [(f32, f32)];
 const DIGIT: Vec2 = Vec2::new(4.0, 7.0);
 const GAP: f32 = 1.7;
 
-/// Adds the strokes of `text` (digits, `.`, `s`, spaces; others are left out), its upper left corner at `corner`,
+/// Adds the strokes of `text` (digits, `.`, `:`, `s`, `cm`, spaces; others are left out), its upper left corner at `corner`,
 /// digits `height` pixels high.
 pub(crate) fn add_text(path: &mut PathBuilder, text: &str, corner: Vec2, height: f32) {
     let scale = height / DIGIT.y;
@@ -49,10 +49,20 @@ fn glyph(letter: char) -> (f32, &'static [Stroke]) {
         '8' => (4.0, EIGHT),
         '9' => (4.0, NINE),
         '.' => (0.3, &[&[(0.1, 6.8), (0.2, 6.95)]]),
+        ':' => (0.3, &[&[(0.1, 6.8), (0.2, 6.95)], &[(0.1, 3.2), (0.2, 3.35)]]),
         's' => (2.6, SECONDS),
+        'c' => {
+            (2.6, &[&[(2.6, 3.0), (1.4, 2.6), (0.3, 3.4), (0.0, 4.8), (0.3, 6.2), (1.4, 7.0), (2.6, 6.6)]])
+        }
+        'm' => (3.8, EM),
         _ => (0.4, &[]),
     }
 }
+
+const EM: &[Stroke] = &[
+    &[(0.0, 7.0), (0.0, 2.7), (0.0, 3.7), (1.1, 2.7), (1.9, 3.5), (1.9, 7.0)],
+    &[(1.9, 3.7), (3.0, 2.7), (3.8, 3.5), (3.8, 7.0)],
+];
 
 const ZERO: &[Stroke] = &[&[
     (2.0, 0.0),

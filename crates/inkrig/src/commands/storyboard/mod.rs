@@ -1,11 +1,13 @@
 //! `inkrig storyboard`: drawn frames become one animation.
 
 mod making;
+mod marks;
 mod onto;
 mod page;
 mod read;
 mod record;
 mod sheet;
+mod space;
 
 use super::generate::{HUMANOID, Model, named_model};
 use crate::cli::StoryboardArgs;
@@ -15,8 +17,7 @@ use crate::printable;
 use crate::provenance::{Facts, Run};
 use crate::{load, names, results};
 use inkrig_formats::{ExportOptions, Format, HumanBone, write_motion};
-use inkrig_motion::humanml::{FRAME_RATE, to_clip};
-use inkrig_storyboard::Generated;
+use inkrig_motion::humanml::{FRAME_RATE, Joints, to_clip};
 use onto::onto;
 use record::Record;
 use std::path::{Path, PathBuf};
@@ -35,7 +36,10 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     run.check_motion(&args.out, &args.sidecar)?;
     more().try_for_each(|path| run.check(path))?;
 
-    let board = read::board(&args.board)?;
+    let mut board = read::board(&args.board)?;
+    for frame in board.frames.iter_mut().filter(|frame| !frame.edits.is_empty()) {
+        frame.lock_ends |= args.lock_ends;
+    }
     let clips: Vec<PathBuf> =
         (1..=board.frames.len()).filter(|_| args.clips).map(|number| numbered(&args.out, number)).collect();
     clips.iter().try_for_each(|path| run.check(path))?;
@@ -83,8 +87,8 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     };
     warnings.extend(load::warnings(&written.findings, &args.out));
     let mut files: Vec<(&Path, Vec<u8>)> = Vec::new();
-    for ((path, clip), frame) in clips.iter().zip(&made.clips).zip(&understood) {
-        files.push((path, clip_bytes(clip, &made, format, &export(&frame.plan.word))?));
+    for ((path, motion), frame) in clips.iter().zip(&made.animation.clips).zip(&understood) {
+        files.push((path, clip_bytes(motion, &made, format, &export(&frame.plan.word))?));
     }
     let record = Record::of(args, &model, (&understood, &made), certificate, warnings);
     if let Some(path) = &args.report {
@@ -122,12 +126,12 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
 
 /// A frame's own motion as a file.
 fn clip_bytes(
-    clip: &Generated,
+    motion: &[Joints],
     made: &Made,
     format: Format,
     export: &ExportOptions,
 ) -> Result<Vec<u8>, CliError> {
-    let own = to_clip(&clip.motion, made.animation.clip.skeleton(), FRAME_RATE)?;
+    let own = to_clip(motion, made.animation.clip.skeleton(), FRAME_RATE)?;
     Ok(write_motion(&own, format, export)?.bytes)
 }
 

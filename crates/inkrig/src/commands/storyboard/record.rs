@@ -1,6 +1,7 @@
 //! What is said of an animation that was made of a storyboard.
 
 use super::Made;
+use super::space::SpaceRecord;
 use crate::cli::{ExactArg, StoryboardArgs};
 use crate::commands::certificate::CertificateRecord;
 use crate::commands::generate::Model;
@@ -12,7 +13,7 @@ use inkrig_generate::measures::{jerk, peak_jerk, skating};
 use inkrig_motion::humanml::{Joints, NAMES};
 use inkrig_motion::{Clip, kinematics};
 use inkrig_sketch::storyboard::End;
-use inkrig_storyboard::{Animation, Understood, misses};
+use inkrig_storyboard::{Animation, Goal, Source, Understood, misses};
 use serde::Serialize;
 
 /// What `--report` and `--json` hold; the names are stable. Lengths are metres.
@@ -61,6 +62,9 @@ pub(in crate::commands) struct Part {
     pub(in crate::commands) result: [f32; 2],
     /// How far joints of the drawn pose were moved at most to be those of a person, metres.
     proportioned: f32,
+    /// What was said in space, and where the clip is.
+    #[serde(flatten)]
+    pub(in crate::commands) space: SpaceRecord,
 }
 
 #[derive(Serialize)]
@@ -165,6 +169,7 @@ impl Record {
             if part.key_frame.is_some() || !ways.is_empty() {
                 text += &format!("; {mean} cm off the drawing, {most} at most");
             }
+            text += &part.space.text();
         }
         if let Some(certificate) = &self.certificate {
             text += "\n";
@@ -202,7 +207,10 @@ pub(in crate::commands) fn parts(
             let figure = if way.figure == End::Start { "start" } else { "end" };
             WayRecord { joint: name(*joint), figure, first: *first, frames: places.len() }
         });
-        let result = misses(&motion, goals);
+        let drawn: Vec<Goal> = goals.iter().filter(|goal| goal.source != Source::Edit).copied().collect();
+        let result = misses(&motion, &drawn);
+        let space = SpaceRecord::of(at, &made.animation, &motion, &clip.plan.space);
+        warnings.extend(space.warnings(exact).into_iter().map(|told| format!("frame {}: {told}", at + 1)));
         if exact == ExactArg::Pin && result[1] > 0.01 {
             warnings.push(format!(
                 "frame {}: the lines are missed by up to {} cm: a person cannot be everywhere that is drawn at once. Look at the sheet for pins and lines that contradict each other",
@@ -222,6 +230,7 @@ pub(in crate::commands) fn parts(
             sampled: [clip.error, clip.worst],
             result,
             proportioned: proportioned.get(at).copied().unwrap_or(0.0),
+            space,
         });
     }
     parts

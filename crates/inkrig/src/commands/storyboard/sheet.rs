@@ -1,13 +1,15 @@
 //! A picture of a storyboard and what became of it: a row for each frame, first the drawing with the joints that were read, then
-//! poses of its motion through the frame's camera, the drawn pose in red and drawn ways in green.
+//! poses of its motion through the frame's camera, the drawn pose in red and drawn ways in green, joints that were put in space in orange, and
+//! constraints in violet, with the largest miss of each below the drawing.
 
 use super::Made;
-use crate::sheet::SheetError;
+use super::marks::marks;
+use crate::sheet::{SheetError, digits};
 use inkrig_motion::glam::{Vec2, Vec3};
 use inkrig_motion::humanml::{JOINTS, Joints, PARENTS};
 use inkrig_motion::kinematics;
 use inkrig_sketch::storyboard::{Frame, Storyboard, Stroke as Line};
-use inkrig_storyboard::{Animation, Source, Understood};
+use inkrig_storyboard::{Animation, Goal, Source, Understood};
 use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
 /// Pixels of a cell, and poses in a row.
@@ -28,6 +30,8 @@ const RIGHT: Rgb = [40, 80, 200];
 const MIDDLE: Rgb = [90, 90, 96];
 const KEY: Rgb = [225, 60, 60];
 const DRAWN: Rgb = [40, 160, 70];
+const PUT: Rgb = [240, 140, 0];
+const HELD: Rgb = [150, 60, 190];
 
 /// Draws the sheet as PNG.
 pub(in crate::commands) fn png(
@@ -47,12 +51,17 @@ pub(in crate::commands) fn png(
     for (row, (frame, read)) in board.frames.iter().zip(understood).take(rows).enumerate() {
         let top = CELL[1] * row as f32;
         page.drawing(frame, read, [0.0, top]);
-        let Animation { joined, goals, .. } = &made.animation;
+        let Animation { joined, goals, constraints, .. } = &made.animation;
         let (Some(clip), Some(start), Some((turn, _)), Some(goals)) =
             (made.clips.get(row), joined.starts.get(row), joined.placements.get(row), goals.get(row))
         else {
             continue;
         };
+        let constraints = constraints.get(row).map(Vec::as_slice).unwrap_or_default();
+        for (number, kept) in constraints.iter().enumerate() {
+            let miss = format!("{}: {:.1} cm", number + 1, 100.0 * kept.miss);
+            page.text(&miss, [8.0, top + CELL[1] - 14.0 * (constraints.len() - number) as f32], HELD);
+        }
         let plan = &clip.plan;
         let back = turn.inverse();
         let seen = |place: Vec3| plan.camera.project(back * place);
@@ -71,10 +80,16 @@ pub(in crate::commands) fn png(
                     .for_each(|goal| page.dot(view.pixel(goal.at), 4.5, DRAWN, 1.0));
             }
             page.body(&view, &flat, 1.0);
-            let drawn = goals.iter().filter(|goal| goal.source != Source::Way);
-            drawn
-                .filter(|goal| goal.frame.abs_diff(start + at) * 2 * (POSES - 1) < plan.frames)
-                .for_each(|goal| page.dot(view.pixel(goal.at), 3.0, KEY, 0.9));
+            for kept in constraints.iter().filter(|kept| kept.constraint.frames.contains(&(start + at))) {
+                for line in marks(&kept.constraint.rule, &pose) {
+                    page.line(line.into_iter().map(|place| view.pixel(seen(place))), HELD, 2.0, 0.9);
+                }
+            }
+            let near = |goal: &Goal| goal.frame.abs_diff(start + at) * 2 * (POSES - 1) < plan.frames;
+            let put = goals.iter().filter(|goal| goal.source == Source::Edit && near(goal));
+            put.for_each(|goal| page.dot(view.pixel(goal.at), 5.0, PUT, 0.9));
+            let drawn = goals.iter().filter(|goal| matches!(goal.source, Source::Pin | Source::Pose));
+            drawn.filter(|goal| near(goal)).for_each(|goal| page.dot(view.pixel(goal.at), 3.0, KEY, 0.9));
         }
     }
     page.pixels.encode_png().map_err(|error| SheetError::Png(error.to_string()))
@@ -159,6 +174,15 @@ impl Page {
         if let Some(path) = path.finish() {
             let paint = paint(colour, strength);
             self.pixels.stroke_path(&path, &paint, &stroke, Transform::identity(), None);
+        }
+    }
+
+    fn text(&mut self, text: &str, corner: [f32; 2], colour: Rgb) {
+        let mut path = PathBuilder::new();
+        digits::add_text(&mut path, text, corner.into(), 9.0);
+        let stroke = Stroke { width: 1.2, line_cap: LineCap::Round, ..Stroke::default() };
+        if let Some(path) = path.finish() {
+            self.pixels.stroke_path(&path, &paint(colour, 1.0), &stroke, Transform::identity(), None);
         }
     }
 
