@@ -97,7 +97,7 @@ static CURVES: [Sample; 4] = [
     },
 ];
 
-static STORYBOARDS: [Sample; 6] = [
+static STORYBOARDS: [Sample; 7] = [
     Sample {
         name: "walk-and-wave",
         file_name: "walk-and-wave.json",
@@ -133,5 +133,11 @@ static STORYBOARDS: [Sample; 6] = [
         file_name: "turn-and-run.json",
         bytes: include_bytes!("../storyboards/turn-and-run.json"),
         description: "A person turns and runs away; two frames.",
+    },
+    Sample {
+        name: "lift-and-push",
+        file_name: "lift-and-push.json",
+        bytes: include_bytes!("../storyboards/lift-and-push.json"),
+        description: "A bar is carried and lifted in balance, then hands push against a wall; three frames with constraints.",
     },
 ];

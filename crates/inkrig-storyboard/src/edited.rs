@@ -10,7 +10,7 @@ use inkrig_motion::{Clip, MotionError, Skeleton};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A joint that is put farther from where it is than this is a mistake, metres.
+/// What is put farther from where a motion is than this is a mistake, metres.
 const FAR: f32 = 2.0;
 /// Times that a clip is moved at most: its bones are not quite those of the body that it is moved on.
 const TIMES: usize = 3;
@@ -36,6 +36,17 @@ pub(crate) fn edited(number: usize, clip: &Generated, body: &Joints) -> Result<V
                 before.z
             );
             let todo = "Put it nearer; a trajectory leads a motion elsewhere";
+            return Err(Problem::new(problem, todo).of_frame(number));
+        }
+    }
+    let pose = motion.get(clip.plan.key_frame()).copied();
+    for (at, own) in space.constraints.iter().enumerate() {
+        let Some((off, frame)) = pose.and_then(|pose| own.measured(&pose).miss(&motion, &[])) else {
+            continue;
+        };
+        if off > FAR {
+            let problem = format!("constraint {} is {off:.1} m from the motion at frame {frame}", at + 1);
+            let todo = "Put it nearer: places count from where the clip begins, in metres";
             return Err(Problem::new(problem, todo).of_frame(number));
         }
     }

@@ -1,4 +1,4 @@
-//! The six storyboards of this project, from file to motion, with the weights that come with the program; and drawings that cannot
+//! The storyboards of this project, from file to motion, with the weights that come with the program; and drawings that cannot
 //! be made a motion, each with what is said of it.
 #![allow(
     clippy::unwrap_used,
@@ -7,6 +7,7 @@
     reason = "a test may panic, and prints what it measures"
 )]
 
+mod constraints;
 mod edits;
 mod motions;
 mod onto;

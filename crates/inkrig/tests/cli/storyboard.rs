@@ -65,3 +65,96 @@ fn what_is_wrong_is_said_and_nothing_is_written() {
         assert!(!folder.join("out.bvh").exists());
     }
 }
+
+/// The report of a storyboard that is made with these options.
+fn report(folder: &std::path::Path, name: &str, more: &[&str]) -> serde_json::Value {
+    let (out, report) = (format!("{name}-made.bvh"), format!("{name}-report.json"));
+    let board = format!("{name}.json");
+    let arguments = ["storyboard", &board, "-o", &out, "--report", &report, "--candidates", "1", "--force"];
+    let output = inkrig(folder, &[&arguments, &["--guide-every", "25"][..], more].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    serde_json::from_slice(&std::fs::read(folder.join(report)).unwrap()).unwrap()
+}
+
+/// The lines of a motion's frames in a BVH file.
+fn motion(folder: &std::path::Path, name: &str) -> Vec<String> {
+    let file = std::fs::read_to_string(folder.join(name)).unwrap();
+    file.lines().skip_while(|line| !line.starts_with("Frame Time")).skip(1).map(str::to_owned).collect()
+}
+
+#[test]
+fn a_joint_is_put_in_space_and_ends_can_be_kept() {
+    let (_keep, folder) = desk();
+    let sample = inkrig::samples::find("walk-and-wave.json").unwrap();
+    let board: serde_json::Value = serde_json::from_slice(sample.bytes).unwrap();
+    let write = |name: &str, edit: serde_json::Value| {
+        let mut board = board.clone();
+        if edit.is_object() {
+            board["frames"][0]["edits"] = serde_json::json!([edit]);
+        }
+        std::fs::write(folder.join(format!("{name}.json")), board.to_string()).unwrap();
+    };
+    write("plain", serde_json::Value::Null);
+    let before = report(&folder, "plain", &["--clips"]);
+    // The whole body goes aside near the clip's end.
+    write("edited", serde_json::json!({"joint": "pelvis", "frame": 36, "at": [0.4, 0.9, 1.6]}));
+    let free = report(&folder, "edited", &["--clips"]);
+    let locked = report(&folder, "edited", &["--lock-ends"]);
+    let shift =
+        |report: &serde_json::Value| [0, 2].map(|axis| report["parts"][1]["shift"][axis].as_f64().unwrap());
+    let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    for made in [&free, &locked] {
+        let edit = &made["parts"][0]["edits"][0];
+        assert!(edit["miss"].as_f64().unwrap() < 0.002 && edit["joint"] == "pelvis", "{edit}");
+    }
+    assert!(apart(shift(&before), shift(&free)) > 0.1, "{free}");
+    assert_eq!(before["parts"][1]["shift"], locked["parts"][1]["shift"]);
+    assert_eq!(
+        (&locked["parts"][0]["lock_ends"], &free["parts"][0]["lock_ends"]),
+        (&true.into(), &serde_json::Value::Null)
+    );
+    // The other frame's own motion is the same in both, but for the body that it is written on.
+    assert_eq!(motion(&folder, "plain-made-2.bvh").len(), motion(&folder, "edited-made-2.bvh").len());
+    assert_ne!(motion(&folder, "plain-made-1.bvh"), motion(&folder, "edited-made-1.bvh"));
+    write("far", serde_json::json!({"joint": "head", "frame": 3, "at": [0, 9, 0]}));
+    write("late", serde_json::json!({"joint": "head", "frame": 300, "at": [0, 1, 0]}));
+    write("nobody", serde_json::json!({"joint": "tail", "frame": 3, "at": [0, 1, 0]}));
+    for (name, part) in [
+        ("far.json", "frame 1: the edit of head at frame 3 is"),
+        ("late.json", "frame 1: the edit of head at frame 300 is behind the clip's end: it has frames 0 to"),
+        ("nobody.json", "frame 1: there is no joint \"tail\""),
+    ] {
+        let output = inkrig(&folder, &["storyboard", name, "-o", "out.bvh", "--candidates", "1"]);
+        let said = text(&output.stderr).replace(['\n', '│', ' '], "");
+        assert!(output.status.code() == Some(1) && said.contains(&part.replace(' ', "")), "{name}: {said}");
+        assert!(!folder.join("out.bvh").exists());
+    }
+}
+
+#[test]
+fn constraints_are_told_one_by_one() {
+    let (_keep, folder) = desk();
+    let mut board: serde_json::Value =
+        serde_json::from_slice(inkrig::samples::find("kick.json").unwrap().bytes).unwrap();
+    board["frames"][0]["constraints"] = serde_json::json!([
+        {"kind": "distance", "joints": ["left_wrist", "right_wrist"]},
+        {"kind": "plane", "joint": "left_wrist", "height": 0.0},
+        {"kind": "plane", "joint": "head", "height": 1.8},
+    ]);
+    std::fs::write(folder.join("held.json"), board.to_string()).unwrap();
+    let made = report(&folder, "held", &["--exact", "pin"]);
+    let miss = |at: usize| made["parts"][0]["constraints"][at]["miss"].as_f64().unwrap();
+    assert!(made["parts"][0]["constraints"][0]["metres"].as_f64().unwrap() > 0.05, "{made}");
+    assert!(miss(1) + miss(2) > 0.4, "no arm is that long: {made}");
+    let warned = made["warnings"].as_array().unwrap();
+    let told = |part: &str| warned.iter().any(|warning| warning.as_str().unwrap().contains(part));
+    assert!(told("frame 1: constraint 2 (plane) is missed by up to") && told("move the plane"), "{warned:?}");
+    let far = serde_json::json!([{"kind": "plane", "joint": "left_wrist", "height": 9}]);
+    board["frames"][0]["constraints"] = far;
+    std::fs::write(folder.join("far.json"), board.to_string()).unwrap();
+    let output = inkrig(&folder, &["storyboard", "far.json", "-o", "out.bvh", "--candidates", "1"]);
+    let said = text(&output.stderr).replace(['\n', '│', ' '], "");
+    assert!(output.status.code() == Some(1) && said.contains("mfromthemotion"), "{said}");
+    let soft = report(&folder, "held", &[]);
+    assert!(soft["warnings"].to_string().contains("--exact pin keeps it"), "{soft}");
+}

@@ -3,7 +3,7 @@
 use super::pose::{Placed, Pose};
 use super::{Sketch, board};
 use inkrig_motion::glam::DVec3;
-use inkrig_sketch::storyboard::Storyboard;
+use inkrig_sketch::storyboard::{Constraint, Storyboard};
 
 /// Name and storyboard.
 pub(super) fn all() -> Vec<(&'static str, Storyboard)> {
@@ -14,6 +14,7 @@ pub(super) fn all() -> Vec<(&'static str, Storyboard)> {
         ("sit-down-and-stand-up", sit_down_and_stand_up()),
         ("dance", dance()),
         ("turn-and-run", turn_and_run()),
+        ("lift-and-push", lift_and_push()),
     ]
 }
 
@@ -167,6 +168,46 @@ fn turn_and_run() -> Storyboard {
     let running = Sketch::of("run", &run, 12);
     let way = ahead(&running.placed, 4.0);
     board("Turn and run", vec![turn, running.way(&way).quick(2, 0.5..0.9)])
+}
+
+/// A bar is carried and lifted, then hands push against a wall.
+fn lift_and_push() -> Storyboard {
+    let carrying = Pose {
+        lean: (4.0, 0.0),
+        legs: [[(24.0, 4.0), (10.0, 4.0)], [(-14.0, 4.0), (-34.0, 4.0)]],
+        arms: [[(14.0, 12.0), (84.0, -4.0)], [(14.0, 12.0), (84.0, -4.0)]],
+        above: 0.0,
+    };
+    let lifting = Pose { arms: [[(20.0, 16.0), (110.0, 2.0)], [(20.0, 16.0), (110.0, 2.0)]], ..Pose::STAND };
+    let pushing = Pose {
+        lean: (14.0, 0.0),
+        legs: [[(30.0, 5.0), (-8.0, 5.0)], [(-18.0, 6.0), (-34.0, 6.0)]],
+        arms: [[(66.0, 10.0), (84.0, 2.0)], [(66.0, 10.0), (84.0, 2.0)]],
+        above: 0.0,
+    };
+    let [left, right] = ["left_wrist", "right_wrist"].map(str::to_owned);
+    let bar = Constraint::Distance { joints: [left.clone(), right.clone()], metres: Some(0.5), frames: None };
+    let carry = Sketch::of("walk", &carrying, 13);
+    let way = ahead(&carry.placed, 1.4);
+    let carry = carry.way(&way).holds(bar.clone()).notes("Carries a bar, the hands half a metre apart.");
+    let lift = Sketch::of("stretch", &lifting, 14);
+    let wrist = lift.placed.arms[1][2];
+    let up = [wrist, wrist + DVec3::new(-0.02, 0.3, 0.05), wrist + DVec3::new(-0.04, 0.62, -0.18)];
+    let lift = lift.way_in(1.2, &up).holds(bar).holds(Constraint::Balance { frames: None });
+    let lift = lift.seconds(1.3).notes("Lifts it, in balance.");
+    let push = Sketch::of("push", &pushing, 15);
+    let at = push.placed.arms[0][2].z;
+    let wall = |joint: String| Constraint::Plane {
+        joint,
+        height: None,
+        normal: Some([0.0, 0.0, -1.0]),
+        through: Some([0.0, 0.0, (at * 100.0).round() / 100.0]),
+        frames: Some([0, 29]),
+    };
+    let corner = |x: f64, y: f64| DVec3::new(x, y, at + 0.05);
+    let edge = [corner(0.5, 0.0), corner(0.5, 1.9), corner(-0.5, 1.9), corner(-0.5, 0.0), corner(0.5, 0.0)];
+    let push = push.scene(&[&edge]).holds(wall(left)).holds(wall(right)).seconds(2.0);
+    board("Carry, lift and push", vec![carry, lift, push.notes("Pushes against a wall.")])
 }
 
 /// The pelvis goes straight ahead, up and down with the steps.

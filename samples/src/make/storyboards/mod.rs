@@ -8,7 +8,9 @@ mod pose;
 use hand::{Hand, UNITS, in_time};
 use inkrig_motion::glam::DVec3;
 use inkrig_sketch::SketchError;
-use inkrig_sketch::storyboard::{Frame, FrameCamera, Storyboard, Stroke, Trajectory, write_storyboard};
+use inkrig_sketch::storyboard::{
+    Constraint, Frame, FrameCamera, Storyboard, Stroke, Trajectory, write_storyboard,
+};
 use pose::{Placed, Pose, seen};
 
 pub use page::{COLOURS, Page};
@@ -111,6 +113,12 @@ impl Sketch {
 
     fn seconds(mut self, seconds: f64) -> Self {
         self.frame.seconds = Some(seconds);
+        self
+    }
+
+    /// Something that holds in space.
+    fn holds(mut self, constraint: Constraint) -> Self {
+        self.frame.constraints.push(constraint);
         self
     }
 
