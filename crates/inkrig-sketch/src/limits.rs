@@ -46,3 +46,7 @@ pub const MAX_STORYBOARD_EDITS: usize = 2000;
 pub const MAX_STORYBOARD_CONSTRAINTS: usize = 64;
 /// Farthest that a place of an edit or a constraint is from where its clip begins, along each axis, metres.
 pub const MAX_STORYBOARD_METRES: f64 = 100.0;
+/// Most motions of a storyboard's frame that one can be taken of.
+pub const MAX_STORYBOARD_TAKES: u32 = 64;
+/// The largest number of a storyboard's frame.
+pub const MAX_STORYBOARD_NUMBER: u32 = 1_000_000;

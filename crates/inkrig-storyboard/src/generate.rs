@@ -1,5 +1,4 @@
-//! From a plan to a clip: several are sampled with the word, each drawn to what is asked for at every few steps, and the best is
-//! taken.
+//! From a plan to a clip: several are sampled with the word, each drawn to what is asked for at every few steps, and ranked.
 
 use crate::error::StoryboardError;
 use crate::plan::{Plan, seen};
@@ -38,7 +37,7 @@ pub struct MakerOptions {
     pub sampling: SamplingOptions,
     /// Whether the drawing counts. Without it only the word does.
     pub drawn: bool,
-    /// How many are sampled for a frame; the best is taken.
+    /// How many are sampled for a frame.
     pub candidates: usize,
     /// The same seed gives the same.
     pub seed: u64,
@@ -64,7 +63,7 @@ pub struct Generated {
 }
 
 impl Maker<'_> {
-    /// Makes the clip of frame `number` (from 1), whose text has this vector.
+    /// Makes the clip of frame `number` (from 1), whose text has this vector: the best of its [`takes`](Self::takes).
     ///
     /// # Errors
     /// When the model cannot: the clip is too long, or numbers do not fit.
@@ -75,6 +74,25 @@ impl Maker<'_> {
         text: &[f32],
         options: &MakerOptions,
     ) -> Result<Generated, StoryboardError> {
+        let made = self.takes(number, plan, text, options)?;
+        made.into_iter().next().ok_or_else(|| nothing(number))
+    }
+
+    /// All clips that are sampled for frame `number`, the best first; at least one.
+    ///
+    /// The number is a part of the seed, so frames of one storyboard that are drawn alike move differently, and the same frame at
+    /// another place of the story gets other clips. A storyboard that is rearranged and shall keep its motions says the old numbers
+    /// ([`inkrig_sketch::storyboard::Frame::number`]), as the studio does.
+    ///
+    /// # Errors
+    /// As of [`clip`](Self::clip).
+    pub fn takes(
+        &self,
+        number: usize,
+        plan: &Plan,
+        text: &[f32],
+        options: &MakerOptions,
+    ) -> Result<Vec<Generated>, StoryboardError> {
         let made: Result<Vec<Generated>, GenerateError> = (0..options.candidates.max(1))
             .into_par_iter()
             .map(|candidate| self.candidate(number, candidate, plan, text, options))
@@ -82,15 +100,10 @@ impl Maker<'_> {
         let failed = |cause| StoryboardError::Generate { frame: number, cause: Box::new(cause) };
         let made = made.map_err(failed)?;
         let evaluations = made.iter().map(|clip| clip.evaluations).sum();
-        let best = made.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
-        let nothing = || {
-            failed(GenerateError::Setting {
-                setting: "the number of candidates",
-                value: "0".into(),
-                needed: "at least 1",
-            })
-        };
-        Ok(Generated { evaluations, ..best.ok_or_else(nothing)? })
+        let mut ranked: Vec<(f64, Generated)> =
+            made.into_iter().map(|clip| (cost(&clip), Generated { evaluations, ..clip })).collect();
+        ranked.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        Ok(ranked.into_iter().map(|(_, clip)| clip).collect())
     }
 
     fn candidate(
@@ -183,6 +196,15 @@ fn whole_pose(plan: &Plan) -> Option<(usize, Joints)> {
         pose[joint] = moved.map_or(*at, |(_, at, _)| *at).extend(1.0);
     }
     Some((*frame, augment(&pose)))
+}
+
+fn nothing(number: usize) -> StoryboardError {
+    let cause = GenerateError::Setting {
+        setting: "the number of candidates",
+        value: "0".into(),
+        needed: "at least 1",
+    };
+    StoryboardError::Generate { frame: number, cause: Box::new(cause) }
 }
 
 struct Sampled {

@@ -110,6 +110,7 @@ impl Studio {
         storyboarder: Option<Arc<dyn Storyboarder>>,
     ) -> Result<Arc<Self>, StudioError> {
         let project = Project::open(folder)?;
+        let boards = Boards::new(storyboarder, threads, project.folder().made());
         let (media, events) = (Arc::new(Media::default()), Events::default());
         let solver = Solver::start(project.folder().clone(), media.clone(), events.clone(), threads)?;
         let studio = Self {
@@ -118,7 +119,7 @@ impl Studio {
             uploads: Mutex::default(),
             media,
             solver,
-            boards: Boards::new(storyboarder),
+            boards,
             events,
         };
         let (document, revision) = studio.now();
@@ -247,11 +248,21 @@ impl Studio {
         })
     }
 
+    /// Whether a pen is down on the drawing.
+    pub(crate) fn is_drawn_on(&self) -> bool {
+        lock(&self.stroke).is_some()
+    }
+
     /// Adds what was made of a storyboard, and shows it as it is: it alone is arranged, and follows nothing. Returns its id.
-    pub(crate) fn add_made(&self, title: &str, bvh: &[u8]) -> Result<String, StudioError> {
+    ///
+    /// The clip takes the place of the one that was made `before`, so that trying things out does not fill the list. That one
+    /// stays where something else depends on it: a drawing that it is arranged for, clips that it is arranged with, a key with a pose
+    /// of it. Undo brings it back: files of clips are never deleted.
+    pub(crate) fn add_made(&self, title: &str, bvh: &[u8], before: &str) -> Result<String, StudioError> {
         let title = if title.trim().is_empty() { "Storyboard" } else { title.trim() };
         let options = UploadOptions { name: format!("{title}.bvh"), ..UploadOptions::default() };
         let (entry, ..) = self.add_clip_as("Make", bvh, &options, |document, id| {
+            replace(document, before, &id);
             document.source = Source { clips: vec![id], ..Source::default() };
             document.control = None;
         })?;
@@ -484,6 +495,20 @@ impl Studio {
             self.solve(document, revision);
         }
         Ok(())
+    }
+}
+
+/// Puts the clip `fresh` in the place of the clip `old`, if that is there and nothing depends on it.
+fn replace(document: &mut Document, old: &str, fresh: &str) {
+    let arranged = &document.source.clips;
+    let solved = arranged.iter().any(|id| id == old) && (document.control.is_some() || arranged.len() > 1);
+    let keyed = document.keys.iter().any(|key| key.pose.as_ref().is_some_and(|pose| pose.clip == old));
+    let place = |id: &str| document.clips.iter().position(|clip| clip.id == id);
+    if let (false, false, Some(at), Some(from)) = (solved, keyed, place(old), place(fresh))
+        && at != from
+    {
+        let clip = document.clips.remove(from);
+        document.clips[at] = clip;
     }
 }
 

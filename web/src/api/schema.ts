@@ -569,7 +569,7 @@ export interface components {
             /** @description How many frames it has. */
             frames: number;
         };
-        /** @description The newest animation of this run of the program. */
+        /** @description The newest animation. */
         BoardMade: {
             /** @description Id of the clip. */
             clip: string;
@@ -579,6 +579,8 @@ export interface components {
             job: string;
             /** @description What the user should know of the whole. */
             notes: string[];
+            /** @description How frames become the next. */
+            transitions: components["schemas"]["MadeTransition"][];
         };
         /** @description The storyboard and what is known of it. */
         BoardState: {
@@ -588,6 +590,10 @@ export interface components {
             board?: Record<string, unknown> | null;
             job?: components["schemas"]["JobState"] | null;
             made?: components["schemas"]["BoardMade"] | null;
+            /** @description For each of its frames, which frame of the storyboard (from 0) it is; none where that is gone or has another figure. */
+            of: (number | null)[];
+            /** @description For each of its frames, whether that is drawn as it was then. */
+            still: boolean[];
             /** @description Words that it knows. */
             words: string[];
         };
@@ -1315,8 +1321,8 @@ export interface components {
         };
         /** @description What came of a frame. */
         MadeFrame: {
-            /** @description Where in the animation it begins, frames. */
-            begins: number;
+            /** @description Where in the animation it begins, frames; none where the animation is without it. */
+            begins?: number | null;
             /** @description How long it is, frames. */
             frames: number;
             /** @description Joints that were read, on the frame's canvas. */
@@ -1330,13 +1336,56 @@ export interface components {
             meanMiss: number;
             /** @description What the user should know. */
             notes: string[];
+            /** @description Which frame of the storyboard it was, from 1. */
+            number: number;
+            /** @description The drawn pose in the animation's space; empty where none was drawn. */
+            pose: components["schemas"]["PosedJoint"][];
+            /** @description See `turn`. */
+            shift: [
+                number,
+                number,
+                number
+            ];
+            /** @description Motions that were made of it, the best first. */
+            takes: components["schemas"]["MadeTake"][];
+            /**
+             * Format: float
+             * @description How its own space, in which it begins above the origin and faces +z, was turned about the vertical, radians, and then
+             *     shifted, metres.
+             */
+            turn: number;
             /** @description Whose ways the trajectories are, in their order. */
             ways: components["schemas"]["MadeWay"][];
+            /** @description Its word, as it was understood. */
+            word: string;
             /**
              * Format: float
              * @description The largest distance, metres.
              */
             worstMiss: number;
+        };
+        /** @description A motion that can be taken for a frame. */
+        MadeTake: {
+            /**
+             * Format: float
+             * @description Mean distance from what was drawn, before frames were joined, metres; none where nothing was drawn.
+             */
+            meanMiss?: number | null;
+            /**
+             * @description Some of its poses as the frame's camera sees them, metres, y up: trunk, left leg, right leg, left arm, right arm, each a
+             *     line of joints.
+             */
+            poses: [
+                number,
+                number
+            ][][][];
+        };
+        /** @description Frames of an animation that lead from one frame of the storyboard to the next. */
+        MadeTransition: {
+            /** @description The first. */
+            begins: number;
+            /** @description How many. */
+            frames: number;
         };
         /** @description What a trajectory was taken for. */
         MadeWay: {
@@ -1348,6 +1397,12 @@ export interface components {
             frames: number;
             /** @description Whose way it is. */
             joint: string;
+            /** @description The line in the animation's space, a place a frame. */
+            points: [
+                number,
+                number,
+                number
+            ][];
         };
         /** @description Moments on a plane: what is alike is near. The unit is the mean distance of two moments. */
         MapInfo: {
@@ -1425,6 +1480,17 @@ export interface components {
             clip: string;
             /** @description From 0, at the clip's own rate. */
             frame: number;
+        };
+        /** @description A joint of a pose. */
+        PosedJoint: {
+            /** @description Where it is, metres. */
+            at: [
+                number,
+                number,
+                number
+            ];
+            /** @description Its name. */
+            name: string;
         };
         /**
          * @description Presets.
@@ -2675,6 +2741,8 @@ export interface operations {
             query?: {
                 /** @description How drawn lines and poses are met; `soft` without. */
                 exact?: "off" | "soft" | "pin";
+                /** @description Number of the only frame that is made, from 1. It is shown with the others where these need not be made again, else alone. */
+                frame?: number;
             };
             header?: never;
             path?: never;

@@ -50,6 +50,8 @@ export type Bake = Whole<Schemas['Bake']>;
 
 export type BoardState = Whole<Schemas['BoardState']>;
 export type MadeFrame = Whole<Schemas['MadeFrame']>;
+export type MadeTake = Whole<Schemas['MadeTake']>;
+export type BoardMade = Whole<Schemas['BoardMade']>;
 
 /** What is sent, where a part may be left out. */
 export type ExportAsked = Schemas['ExportAsked'];

@@ -4,8 +4,8 @@ use super::{Frame, Storyboard, Stroke};
 use crate::SketchError;
 use crate::builder::{check_pressure, check_time};
 use crate::limits::{
-    MAX_MAGNITUDE, MAX_STORYBOARD_FRAMES, MAX_STORYBOARD_POINTS, MAX_STORYBOARD_SECONDS, MAX_STORYBOARD_TEXT,
-    MIN_STORYBOARD_SECONDS,
+    MAX_MAGNITUDE, MAX_STORYBOARD_FRAMES, MAX_STORYBOARD_NUMBER, MAX_STORYBOARD_POINTS,
+    MAX_STORYBOARD_SECONDS, MAX_STORYBOARD_TAKES, MAX_STORYBOARD_TEXT, MIN_STORYBOARD_SECONDS,
 };
 
 impl Storyboard {
@@ -49,6 +49,14 @@ impl Frame {
         {
             let range = format!("{MIN_STORYBOARD_SECONDS} to {MAX_STORYBOARD_SECONDS}");
             return wrong("seconds", format!("{seconds} is not {range}"));
+        }
+        if self.take >= MAX_STORYBOARD_TAKES {
+            let most = MAX_STORYBOARD_TAKES - 1;
+            return wrong("take", format!("{} is not 0 (the best) to {most}", self.take));
+        }
+        if self.number.is_some_and(|number| !(1..=MAX_STORYBOARD_NUMBER).contains(&number)) {
+            let problem = format!("{} is not 1 to {MAX_STORYBOARD_NUMBER}", self.number.unwrap_or_default());
+            return wrong("number", problem);
         }
         let camera = self.camera;
         if !(-90.0..=90.0).contains(&camera.pitch_degrees) || !(-180.0..=180.0).contains(&camera.yaw_degrees)

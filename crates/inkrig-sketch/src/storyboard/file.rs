@@ -147,6 +147,8 @@ mod tests {
             constraints: constraints(),
             camera: FrameCamera { pitch_degrees: 10.0, yaw_degrees: -30.0 },
             seconds: Some(1.5),
+            take: 2,
+            number: Some(7),
             notes: "a \"note\"\n".into(),
         };
         Storyboard {
@@ -215,6 +217,8 @@ mod tests {
                 "unknown variant `middle`",
             ),
             (frame(r#""seconds": 0"#), "frame 1, seconds: 0 is not 0.1 to 60"),
+            (frame(r#""take": 64"#), "frame 1, take: 64 is not 0 (the best) to 63"),
+            (frame(r#""number": 0"#), "frame 1, number: 0 is not 1 to 1000000"),
             (frame(r#""camera": {"pitch_degrees": 100}"#), "frame 1, camera: pitch 100 and yaw 30"),
             (frame(r#""pins": [{"joint": "head", "at": [0, 1e99]}]"#), "pin of head"),
             (

@@ -71,9 +71,21 @@ pub struct Frame {
     /// How long it lasts; without it as long as the trajectories ask for, or two seconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
+    /// Which of its motions is taken, 0 is the best: several are made of a frame, and ranked.
+    #[serde(skip_serializing_if = "is_best")]
+    pub take: u32,
+    /// The number that its motions are sampled with; without it its place in the story, from 1. A frame that keeps its number
+    /// keeps its motions, wherever it is moved to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub number: Option<u32>,
     /// Whatever there is to say.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub notes: String,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_best(take: &u32) -> bool {
+    *take == 0
 }
 
 /// A line of a pen.

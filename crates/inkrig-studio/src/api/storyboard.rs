@@ -5,12 +5,12 @@ use super::{ApiError, Blocking, ErrorBody, read_body};
 use crate::StudioError;
 use crate::events::JobState;
 use crate::server::App;
-use crate::storyboard::{BoardExact, BoardMade, Boards};
+use crate::storyboard::{BoardAsked, BoardMade, Boards};
 use axum::Json;
 use axum::body::Body;
 use axum::extract::State;
 use inkrig_sketch::storyboard::read_storyboard;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::sync::Arc;
 use utoipa::ToSchema;
 
@@ -26,8 +26,12 @@ pub(crate) struct BoardState {
     board: Option<serde_json::Value>,
     /// The job that runs.
     job: Option<JobState>,
-    /// The newest animation of this run of the program.
+    /// The newest animation.
     made: Option<BoardMade>,
+    /// For each of its frames, which frame of the storyboard (from 0) it is; none where that is gone or has another figure.
+    of: Vec<Option<usize>>,
+    /// For each of its frames, whether that is drawn as it was then.
+    still: Vec<bool>,
 }
 
 /// A storyboard that was kept.
@@ -37,16 +41,6 @@ pub(crate) struct BoardKept {
     frames: usize,
 }
 
-/// How an animation is made.
-#[derive(Debug, Deserialize, utoipa::IntoParams)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct BoardAsked {
-    /// How drawn lines and poses are met; `soft` without.
-    #[serde(default)]
-    #[param(inline)]
-    exact: BoardExact,
-}
-
 /// The storyboard of the project.
 #[utoipa::path(get, operation_id = "storyboard", path = "/api/storyboard", responses((status = 200, body = BoardState), (status = "4XX", body = ErrorBody)))]
 pub(crate) async fn state(State(app): State<Arc<App>>) -> Result<Json<BoardState>, ApiError> {
@@ -54,9 +48,11 @@ pub(crate) async fn state(State(app): State<Arc<App>>) -> Result<Json<BoardState
         let boards = &app.studio.boards;
         let words = boards.words();
         let folder = app.studio.project().folder().clone();
+        let made = boards.made();
+        let mut known = Vec::new();
         let board = match folder.board()? {
             Some(bytes) => {
-                read_storyboard(&bytes)?;
+                known = made.known(&read_storyboard(&bytes)?);
                 Some(
                     serde_json::from_slice(&bytes)
                         .map_err(|cause| StudioError::Internal(cause.to_string()))?,
@@ -69,7 +65,9 @@ pub(crate) async fn state(State(app): State<Arc<App>>) -> Result<Json<BoardState
             words: words.unwrap_or_default(),
             board,
             job: boards.current(),
-            made: boards.made().map(|made| BoardMade::clone(&made)),
+            made: made.newest().cloned(),
+            of: known.iter().map(|known| known.map(|(at, _)| at)).collect(),
+            still: known.iter().map(|known| known.is_some_and(|(_, still)| still)).collect(),
         }))
     })
     .await
@@ -83,6 +81,7 @@ pub(crate) async fn keep(State(app): State<Arc<App>>, body: Body) -> Result<Json
         let board = read_storyboard(&bytes)?;
         let folder = app.studio.project().folder().clone();
         folder.keep_board(&board)?;
+        app.studio.boards.drawn_on();
         Ok(Json(BoardKept { frames: board.frames.len() }))
     })
     .await
@@ -92,7 +91,7 @@ pub(crate) async fn keep(State(app): State<Arc<App>>, body: Body) -> Result<Json
 #[utoipa::path(post, operation_id = "makeStoryboard", path = "/api/storyboard", params(BoardAsked), request_body(content = Object, content_type = "application/json"), responses((status = 200, body = JobState), (status = "4XX", body = ErrorBody)))]
 pub(crate) async fn make(
     State(app): State<Arc<App>>,
-    Query(BoardAsked { exact }): Query<BoardAsked>,
+    Query(asked): Query<BoardAsked>,
     body: Body,
 ) -> Result<Json<JobState>, ApiError> {
     let bytes = read_body(body, MOST_JSON).await?;
@@ -100,7 +99,7 @@ pub(crate) async fn make(
         let board = read_storyboard(&bytes)?;
         let folder = app.studio.project().folder().clone();
         folder.keep_board(&board)?;
-        Boards::begin(&app.studio, board, exact).map(Json)
+        Boards::begin(&app.studio, board, asked).map(Json)
     })
     .await
 }

@@ -1,6 +1,7 @@
 //! The files of a project. Names are made here or checked here, so that none leads out of the folder.
 
 use crate::StudioError;
+use crate::storyboard::KeptBoard;
 use inkrig_formats::read_in_folder;
 use inkrig_sketch::storyboard::{Storyboard, write_storyboard};
 use serde::Serialize;
@@ -12,10 +13,21 @@ use std::path::{Path, PathBuf};
 /// Most bytes of a JSON file of ours.
 const MOST_JSON: usize = 64 << 20;
 /// What a project's folder may hold.
-const KNOWN: [&str; 8] =
-    ["project.json", "project.lock", "history", "clips", "sounds", "stroke.jsonl", ".gitignore", STORYBOARD];
+const KNOWN: [&str; 9] = [
+    "project.json",
+    "project.lock",
+    "history",
+    "clips",
+    "sounds",
+    "stroke.jsonl",
+    ".gitignore",
+    STORYBOARD,
+    MADE,
+];
 /// The storyboard, as `inkrig storyboard` reads it too.
 const STORYBOARD: &str = "storyboard.json";
+/// What was read of it and made of it.
+const MADE: &str = "storyboard-made.json";
 
 /// A project's folder, locked for this process.
 #[derive(Debug)]
@@ -132,6 +144,20 @@ impl Folder {
     /// When it cannot be written.
     pub fn keep_board(&self, board: &Storyboard) -> Result<(), StudioError> {
         self.write(STORYBOARD, write_storyboard(board)?.as_bytes())
+    }
+
+    /// Keeps what was made of the storyboard.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub(crate) fn keep_made(&self, made: &KeptBoard) -> Result<(), StudioError> {
+        self.write_json(MADE, made)
+    }
+
+    /// What was made of the storyboard; `None` where there is nothing, or nothing that this program understands: it can be made
+    /// again.
+    pub(crate) fn made(&self) -> Option<KeptBoard> {
+        self.read_json(MADE).ok().flatten()
     }
 
     /// The bytes of the storyboard; `None` where there is none.

@@ -1,24 +1,28 @@
 //! The thread on which animations are made, one at a time, beside the one that solves: a pen never waits for it.
 
-use super::{BoardExact, BoardProgress, MadeBoard, MadeFrame, NotMade, Storyboarder};
+use super::{BoardAsked, BoardProgress, MadeBoard, MadeFrame, MadeTransition, NotMade, Storyboarder};
 use crate::events::{Event, JobState, JobStatus};
 use crate::studio::Studio;
 use crate::{StudioError, studio};
-use inkrig_sketch::storyboard::Storyboard;
-use serde::Serialize;
+use inkrig_sketch::storyboard::{Frame, Storyboard};
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 use utoipa::ToSchema;
 
 /// Jobs that are remembered.
 const MOST_JOBS: usize = 50;
+/// Between two lines of somebody who draws a storyboard there is not more.
+const DRAWING: Duration = Duration::from_secs(6);
 
 /// What makes animations, and what came of it.
 #[derive(Debug, Default)]
 pub(crate) struct Boards {
     maker: Option<Arc<dyn Storyboarder>>,
+    threads: usize,
     work: Mutex<Work>,
     /// Held by the thread that makes one.
     turn: Mutex<()>,
@@ -30,11 +34,13 @@ struct Work {
     states: VecDeque<JobState>,
     /// The job whose result is put into the project just now: it can no longer be stopped.
     finishing: Option<String>,
-    made: Option<Arc<BoardMade>>,
+    /// When somebody drew last.
+    drawn: Option<Instant>,
+    made: Arc<KeptBoard>,
 }
 
-/// The newest animation of this run of the program.
-#[derive(Debug, Clone, Serialize, ToSchema)]
+/// The newest animation.
+#[derive(Debug, Clone, Default, Serialize, Deserialize, ToSchema)]
 pub(crate) struct BoardMade {
     /// The job.
     job: String,
@@ -42,13 +48,85 @@ pub(crate) struct BoardMade {
     clip: String,
     /// What is told of each frame.
     frames: Vec<MadeFrame>,
+    /// How frames become the next.
+    transitions: Vec<MadeTransition>,
     /// What the user should know of the whole.
     notes: Vec<String>,
 }
 
+/// The newest animation with what was drawn, as it is kept with the project: it is no part of the document and knows no undo.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct KeptBoard {
+    made: BoardMade,
+    /// The drawings that `made.frames` tell of.
+    drawn: Vec<Frame>,
+}
+
+impl KeptBoard {
+    /// The animation, where there is one.
+    pub(crate) fn newest(&self) -> Option<&BoardMade> {
+        Some(&self.made).filter(|made| !made.clip.is_empty())
+    }
+
+    /// For each frame that something is told of, which frame of the board (from 0) it is, and whether that is drawn as it was then:
+    /// where it is not, the figure at least is the same, so that its joints are still where they were read. Each is used once.
+    pub(crate) fn known(&self, board: &Storyboard) -> Vec<Option<(usize, bool)>> {
+        let frames = numbered(board);
+        let mut free: Vec<&Frame> = frames.iter().collect();
+        let mut take = |fits: &dyn Fn(&Frame) -> bool| {
+            let at = free.iter().position(|frame| fits(frame))?;
+            let found = free.remove(at);
+            frames.iter().position(|frame| std::ptr::eq(frame, found))
+        };
+        let mut known: Vec<Option<(usize, bool)>> =
+            self.drawn.iter().map(|drawn| take(&|frame| frame == drawn).map(|at| (at, true))).collect();
+        for (drawn, known) in self.drawn.iter().zip(&mut known).filter(|(_, known)| known.is_none()) {
+            let alike = |frame: &Frame| frame.number == drawn.number && frame.body == drawn.body;
+            *known = take(&alike).map(|at| (at, false));
+        }
+        known
+    }
+
+    /// What was made now, and what earlier times tell of frames that are drawn as they were.
+    fn renewed(&self, job: &str, clip: String, board: &Storyboard, made: MadeBoard) -> Self {
+        let MadeBoard { frames, transitions, notes, .. } = made;
+        let mut told: Vec<Option<MadeFrame>> = vec![None; board.frames.len()];
+        for (frame, known) in self.made.frames.iter().zip(self.known(board)) {
+            if let Some((at, true)) = known
+                && let Some(place) = told.get_mut(at)
+            {
+                let number = at + 1;
+                *place = Some(MadeFrame { number, begins: None, pose: Vec::new(), ..frame.clone() });
+            }
+        }
+        for frame in frames {
+            if let Some(place) = frame.number.checked_sub(1).and_then(|at| told.get_mut(at)) {
+                *place = Some(frame);
+            }
+        }
+        let (frames, drawn) =
+            told.into_iter().zip(numbered(board)).filter_map(|(told, frame)| Some((told?, frame))).unzip();
+        Self { made: BoardMade { job: job.to_string(), clip, frames, transitions, notes }, drawn }
+    }
+}
+
+/// The frames, each with the number that its motions are made with: the same drawing at another place gets others.
+fn numbered(board: &Storyboard) -> Vec<Frame> {
+    let number =
+        |(place, frame): (u32, &Frame)| Frame { number: frame.number.or(Some(place)), ..frame.clone() };
+    (1..).zip(&board.frames).map(number).collect()
+}
+
 impl Boards {
-    pub(crate) fn new(maker: Option<Arc<dyn Storyboarder>>) -> Self {
-        Self { maker, ..Self::default() }
+    /// `threads` may be used; `kept` was made by an earlier run of the program.
+    pub(crate) fn new(maker: Option<Arc<dyn Storyboarder>>, threads: usize, kept: Option<KeptBoard>) -> Self {
+        let work = Work { made: Arc::new(kept.unwrap_or_default()), ..Work::default() };
+        Self { maker, threads, work: Mutex::new(work), ..Self::default() }
+    }
+
+    /// Somebody draws: for a while one core is left to them.
+    pub(crate) fn drawn_on(&self) {
+        self.lock().drawn = Some(Instant::now());
     }
 
     /// Words to suggest; `None` where this program makes no animations.
@@ -65,7 +143,8 @@ impl Boards {
         self.lock().running().cloned()
     }
 
-    pub(crate) fn made(&self) -> Option<Arc<BoardMade>> {
+    /// The newest animation; its clip has no id where there is none.
+    pub(crate) fn made(&self) -> Arc<KeptBoard> {
         self.lock().made.clone()
     }
 
@@ -84,7 +163,7 @@ impl Boards {
     pub(crate) fn begin(
         studio: &Arc<Studio>,
         board: Storyboard,
-        exact: BoardExact,
+        asked: BoardAsked,
     ) -> Result<JobState, StudioError> {
         let boards = &studio.boards;
         let maker = boards.maker.clone().ok_or_else(|| {
@@ -92,6 +171,12 @@ impl Boards {
                 "this program makes no animations of storyboards: it was built without a model",
             )
         })?;
+        if let Some(number) = asked.frame
+            && !(1..=board.frames.len()).contains(&number)
+        {
+            let count = board.frames.len();
+            return Err(StudioError::invalid(format!("there is no frame {number}: the last is {count}")));
+        }
         let mut work = boards.lock();
         if work.running().is_some() {
             return Err(StudioError::invalid("a storyboard is being made already: stop it first"));
@@ -109,11 +194,11 @@ impl Boards {
             // One that was stopped may not have come to where it looks.
             let _turn = boards.turn.lock().unwrap_or_else(PoisonError::into_inner);
             let making = AssertUnwindSafe(|| {
-                maker.make(&board, exact, &mut |progress| boards.progress(&studio, &id, progress))
+                maker.make(&board, asked, &mut |progress| boards.progress(&studio, &id, progress))
             });
             let done = catch_unwind(making)
                 .unwrap_or_else(|_| Err(NotMade::Failed("the model failed: this should not happen".into())));
-            boards.finish(&studio, &id, &board.title, done);
+            boards.finish(&studio, &id, &board, done);
         });
         if let Err(cause) = spawned {
             boards.cancel(&state.id);
@@ -122,7 +207,7 @@ impl Boards {
         Ok(state)
     }
 
-    fn progress(&self, studio: &Studio, id: &str, progress: BoardProgress) -> ControlFlow<()> {
+    fn progress(&self, studio: &Studio, id: &str, progress: BoardProgress) -> ControlFlow<(), usize> {
         let mut work = self.lock();
         let Some(state) = work.states.iter_mut().find(|state| state.id == id) else {
             return ControlFlow::Break(());
@@ -133,13 +218,17 @@ impl Boards {
         (state.done, state.total) = (progress.done, progress.total);
         (state.level, state.levels) = (progress.frame, progress.frames);
         let state = state.clone();
+        let drawn = work.drawn.is_some_and(|at| at.elapsed() < DRAWING);
         drop(work);
         studio.events.send(Event::Job(state));
-        ControlFlow::Continue(())
+        // A pen never waits: the page, the solver and the browser share these cores.
+        let fewer = usize::from(drawn || studio.is_drawn_on());
+        ControlFlow::Continue(self.threads.saturating_sub(fewer).max(1))
     }
 
-    fn finish(&self, studio: &Studio, id: &str, title: &str, done: Result<MadeBoard, NotMade>) {
+    fn finish(&self, studio: &Studio, id: &str, board: &Storyboard, done: Result<MadeBoard, NotMade>) {
         let mut work = self.lock();
+        let before = work.made.clone();
         let stopped = work.states.iter().any(|state| state.id == id && state.state != JobStatus::Running);
         let done = if stopped { Err(NotMade::Stopped) } else { done };
         if done.is_ok() {
@@ -147,19 +236,22 @@ impl Boards {
         }
         drop(work);
         let done = done.and_then(|made| {
-            let kept = studio.add_made(title, &made.bvh);
-            kept.map(|clip| (clip, made)).map_err(|error| NotMade::Failed(error.to_string()))
+            let failed = |error: StudioError| NotMade::Failed(error.to_string());
+            let clip = studio.add_made(&board.title, &made.bvh, &before.made.clip).map_err(failed)?;
+            let kept = before.renewed(id, clip, board, made);
+            studio.project().folder().keep_made(&kept).map_err(failed)?;
+            Ok(kept)
         });
         let mut work = self.lock();
         work.finishing = None;
         let Some(state) = work.states.iter_mut().find(|state| state.id == id) else { return };
         let made = match done {
-            Ok((clip, MadeBoard { frames, notes, .. })) => {
+            Ok(kept) => {
                 state.state = JobStatus::Done;
                 state.done = state.total;
-                state.result = Some(clip.clone());
-                state.results = vec![clip.clone()];
-                Some(Arc::new(BoardMade { job: id.to_string(), clip, frames, notes }))
+                state.result = Some(kept.made.clip.clone());
+                state.results = vec![kept.made.clip.clone()];
+                Some(Arc::new(kept))
             }
             Err(NotMade::Stopped) => {
                 state.state = JobStatus::Cancelled;
@@ -172,7 +264,7 @@ impl Boards {
             }
         };
         let state = state.clone();
-        if made.is_some() {
+        if let Some(made) = made {
             work.made = made;
         }
         drop(work);

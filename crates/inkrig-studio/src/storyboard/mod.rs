@@ -3,7 +3,7 @@
 
 mod boards;
 
-pub(crate) use boards::{BoardMade, Boards};
+pub(crate) use boards::{BoardMade, Boards, KeptBoard};
 
 use inkrig_sketch::storyboard::Storyboard;
 use serde::{Deserialize, Serialize};
@@ -16,16 +16,28 @@ pub trait Storyboarder: Send + Sync + Debug {
     /// Words that it knows, to be suggested.
     fn words(&self) -> Vec<String>;
 
-    /// Makes one animation of all frames. It looks at `watch` between frames, at least, and stops when that says so.
+    /// Makes one animation. It looks at `watch` between frames, at least; that says whether to go on, and on how many threads.
     ///
     /// # Errors
     /// [`NotMade`].
     fn make(
         &self,
         board: &Storyboard,
-        exact: BoardExact,
-        watch: &mut dyn FnMut(BoardProgress) -> ControlFlow<()>,
+        asked: BoardAsked,
+        watch: &mut dyn FnMut(BoardProgress) -> ControlFlow<(), usize>,
     ) -> Result<MadeBoard, NotMade>;
+}
+
+/// What is made of a storyboard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, utoipa::IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct BoardAsked {
+    /// How drawn lines and poses are met; `soft` without.
+    #[serde(default)]
+    #[param(inline)]
+    pub exact: BoardExact,
+    /// Number of the only frame that is made, from 1. It is shown with the others where these need not be made again, else alone.
+    pub frame: Option<usize>,
 }
 
 /// How drawn lines and poses are met.
@@ -68,22 +80,36 @@ pub enum NotMade {
 pub struct MadeBoard {
     /// As a BVH file.
     pub bvh: Vec<u8>,
-    /// What is told of each frame.
+    /// What is told of each frame that is in it.
     pub frames: Vec<MadeFrame>,
+    /// How each of them becomes the next.
+    pub transitions: Vec<MadeTransition>,
     /// What the user should know of the whole.
     pub notes: Vec<String>,
 }
 
 /// What came of a frame.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, ToSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct MadeFrame {
-    /// Where in the animation it begins, frames.
-    pub begins: usize,
+    /// Which frame of the storyboard it was, from 1.
+    pub number: usize,
+    /// Its word, as it was understood.
+    pub word: String,
+    /// Where in the animation it begins, frames; none where the animation is without it.
+    pub begins: Option<usize>,
     /// How long it is, frames.
     pub frames: usize,
+    /// How its own space, in which it begins above the origin and faces +z, was turned about the vertical, radians, and then
+    /// shifted, metres.
+    pub turn: f32,
+    /// See `turn`.
+    #[schema(value_type = (f32, f32, f32))]
+    pub shift: [f32; 3],
     /// Which of its own frames has the drawn pose.
     pub key_frame: Option<usize>,
+    /// The drawn pose in the animation's space; empty where none was drawn.
+    pub pose: Vec<PosedJoint>,
     /// Joints that were read, on the frame's canvas.
     pub joints: Vec<ReadJoint>,
     /// Whose ways the trajectories are, in their order.
@@ -92,12 +118,47 @@ pub struct MadeFrame {
     pub mean_miss: f32,
     /// The largest distance, metres.
     pub worst_miss: f32,
+    /// Motions that were made of it, the best first.
+    pub takes: Vec<MadeTake>,
     /// What the user should know.
     pub notes: Vec<String>,
 }
 
+/// A motion that can be taken for a frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct MadeTake {
+    /// Mean distance from what was drawn, before frames were joined, metres; none where nothing was drawn.
+    pub mean_miss: Option<f32>,
+    /// Some of its poses as the frame's camera sees them, metres, y up: trunk, left leg, right leg, left arm, right arm, each a
+    /// line of joints.
+    #[schema(value_type = Vec<Vec<Vec<(f32, f32)>>>)]
+    pub poses: Vec<[Vec<[f32; 2]>; 5]>,
+}
+
+/// Frames of an animation that lead from one frame of the storyboard to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct MadeTransition {
+    /// The first.
+    pub begins: usize,
+    /// How many.
+    pub frames: usize,
+}
+
+/// A joint of a pose.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct PosedJoint {
+    /// Its name.
+    pub name: String,
+    /// Where it is, metres.
+    #[schema(value_type = (f32, f32, f32))]
+    pub at: [f32; 3],
+}
+
 /// A joint that was read from a drawing.
-#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ReadJoint {
     /// Its name, such as `right_foot`.
     pub name: String,
@@ -112,7 +173,7 @@ pub struct ReadJoint {
 }
 
 /// What a trajectory was taken for.
-#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct MadeWay {
     /// Whose way it is.
     pub joint: String,
@@ -122,4 +183,7 @@ pub struct MadeWay {
     pub first: usize,
     /// How many.
     pub frames: usize,
+    /// The line in the animation's space, a place a frame.
+    #[schema(value_type = Vec<(f32, f32, f32)>)]
+    pub points: Vec<[f32; 3]>,
 }

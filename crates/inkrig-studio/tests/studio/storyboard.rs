@@ -3,12 +3,13 @@
 use crate::client::Studio;
 use inkrig_sketch::storyboard::Storyboard;
 use inkrig_studio::storyboard::{
-    BoardExact, BoardProgress, MadeBoard, MadeFrame, MadeWay, NotMade, ReadJoint, Storyboarder,
+    BoardAsked, BoardExact, BoardProgress, MadeBoard, MadeFrame, MadeTransition, MadeWay, NotMade, ReadJoint,
+    Storyboarder,
 };
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 const JSON: [(&str, &str); 1] = [("Content-Type", "application/json")];
@@ -18,6 +19,8 @@ const JSON: [(&str, &str); 1] = [("Content-Type", "application/json")];
 struct Fake {
     /// Frames that were made.
     frames: AtomicUsize,
+    /// On how many threads.
+    threads: Mutex<Vec<usize>>,
 }
 
 impl Storyboarder for Fake {
@@ -28,15 +31,19 @@ impl Storyboarder for Fake {
     fn make(
         &self,
         board: &Storyboard,
-        exact: BoardExact,
-        watch: &mut dyn FnMut(BoardProgress) -> ControlFlow<()>,
+        asked: BoardAsked,
+        watch: &mut dyn FnMut(BoardProgress) -> ControlFlow<(), usize>,
     ) -> Result<MadeBoard, NotMade> {
         let mut frames = Vec::new();
         for (at, frame) in board.frames.iter().enumerate() {
+            if asked.frame.is_some_and(|only| only != at + 1) {
+                continue;
+            }
             let (total, count) = (board.frames.len(), board.frames.len());
             let step = BoardProgress { done: at, total, frame: at + 1, frames: count };
-            if watch(step).is_break() {
-                return Err(NotMade::Stopped);
+            match watch(step) {
+                ControlFlow::Break(()) => return Err(NotMade::Stopped),
+                ControlFlow::Continue(threads) => self.threads.lock().unwrap().push(threads),
             }
             match frame.word.as_str() {
                 "slow" => std::thread::sleep(Duration::from_millis(300)),
@@ -46,11 +53,18 @@ impl Storyboarder for Fake {
             }
             self.frames.fetch_add(1, Ordering::SeqCst);
             let joint = ReadJoint { name: "head".into(), x: 1.0, y: 2.0, confidence: 0.5, pinned: false };
-            let way = MadeWay { joint: "right_foot".into(), figure: "start".into(), first: 0, frames: 20 };
-            let mean_miss = if exact == BoardExact::Pin { 0.001 } else { 0.05 };
+            let way = MadeWay {
+                joint: "right_foot".into(),
+                figure: "start".into(),
+                first: 0,
+                frames: 20,
+                points: vec![[0.0, 0.1, 0.2]],
+            };
+            let mean_miss = if asked.exact == BoardExact::Pin { 0.001 } else { 0.05 };
             let (joints, ways) = (vec![joint], vec![way]);
             frames.push(MadeFrame {
-                begins: 40 * at,
+                number: at + 1,
+                begins: Some(40 * frames.len()),
                 frames: 40,
                 joints,
                 ways,
@@ -59,12 +73,22 @@ impl Storyboarder for Fake {
             });
         }
         let bvh = inkrig_samples::find("person").unwrap().bytes.to_vec();
-        Ok(MadeBoard { bvh, frames, notes: vec!["a note".into()] })
+        let transitions = vec![MadeTransition { begins: 35, frames: 10 }; frames.len().saturating_sub(1)];
+        Ok(MadeBoard { bvh, frames, transitions, notes: vec!["a note".into()] })
     }
 }
 
 fn studio(fake: &Arc<Fake>) -> Studio {
     Studio::on(tempfile::tempdir().unwrap(), false, None, Some(fake.clone()))
+}
+
+/// A folder with the files of a studio's storyboard.
+fn like(studio: &Studio) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["project.json", "storyboard.json", "storyboard-made.json"] {
+        let _ = std::fs::copy(studio.folder.path().join(name), folder.path().join(name));
+    }
+    folder
 }
 
 fn board(words: &[&str]) -> Value {
@@ -134,16 +158,98 @@ fn a_storyboard_is_kept_with_the_project() {
     assert_eq!(first.ask("PUT", "/api/storyboard", &JSON, &large).status, 413);
     assert_eq!(std::fs::read(&file).unwrap(), text, "what is wrong changes nothing");
     // Another studio on a folder like it.
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::copy(&file, folder.path().join("storyboard.json")).unwrap();
-    std::fs::copy(first.folder.path().join("project.json"), folder.path().join("project.json")).unwrap();
-    let second = Studio::on(folder, false, None, None);
+    let second = Studio::on(like(&first), false, None, None);
     let state = second.get("/api/storyboard").good();
     assert_eq!(state["board"]["frames"][0]["word"], "kick");
     assert_eq!(state["available"], false);
     let none = second.post("/api/storyboard", &drawn);
     assert_eq!(none.status, 422);
     assert!(none.json()["error"]["message"].as_str().unwrap().contains("built without a model"));
+}
+
+#[test]
+fn what_was_made_is_there_after_a_restart() {
+    let fake = Arc::new(Fake::default());
+    let first = studio(&fake);
+    over(&first, &first.post("/api/storyboard", &board(&["kick", "walk"])).good());
+    let before = first.get("/api/storyboard").good();
+    assert_eq!((&before["of"], &before["still"]), (&json!([0, 1]), &json!([true, true])));
+    // Frames change places, one is new, one is gone: whatever is drawn as it was is still known.
+    let mut moved = board(&["run", "kick"]);
+    moved["frames"][1]["number"] = json!(1);
+    moved["frames"][0]["number"] = json!(2);
+    first.ask("PUT", "/api/storyboard", &JSON, moved.to_string().as_bytes()).good();
+    let now = first.get("/api/storyboard").good();
+    assert_eq!((&now["of"], &now["still"]), (&json!([1, 0]), &json!([true, false])));
+    let second = Studio::on(like(&first), false, None, Some(fake));
+    let after = second.get("/api/storyboard").good();
+    assert_eq!((&after["made"], &after["still"]), (&before["made"], &json!([true, false])));
+    // What was kept by others, or half, is no reason not to open.
+    let folder = like(&second);
+    std::fs::write(folder.path().join("storyboard-made.json"), b"{\"made\": 5").unwrap();
+    let third = Studio::on(folder, false, None, None);
+    assert_eq!(third.get("/api/storyboard").good()["made"], json!(null));
+}
+
+#[test]
+fn one_frame_is_made_and_the_others_are_still_known() {
+    let fake = Arc::new(Fake::default());
+    let studio = studio(&fake);
+    over(&studio, &studio.post("/api/storyboard", &board(&["kick", "walk", "run"])).good());
+    let drawn = board(&["kick", "jump", "run"]);
+    assert_eq!(studio.post("/api/storyboard?frame=4", &drawn).status, 422);
+    assert_eq!(studio.post("/api/storyboard?frame=0", &drawn).status, 422);
+    over(&studio, &studio.post("/api/storyboard?frame=2", &drawn).good());
+    assert_eq!(fake.frames.load(Ordering::SeqCst), 4);
+    let state = studio.get("/api/storyboard").good();
+    let frames = state["made"]["frames"].as_array().unwrap();
+    let places: Vec<(&Value, &Value)> =
+        frames.iter().map(|frame| (&frame["number"], &frame["begins"])).collect();
+    let (one, two, three, none, zero) = (json!(1), json!(2), json!(3), json!(null), json!(0));
+    assert_eq!(places, [(&one, &none), (&two, &zero), (&three, &none)]);
+    assert_eq!(frames[0]["joints"][0]["name"], "head", "what was read of it holds");
+    assert_eq!(state["still"], json!([true, true, true]));
+}
+
+#[test]
+fn an_animation_takes_the_place_of_the_one_before_unless_that_is_used() {
+    let studio = studio(&Arc::default());
+    let make = || over(&studio, &studio.post("/api/storyboard", &board(&["kick"])).good());
+    let clips = || -> Vec<String> {
+        let document = studio.get("/api/project").good()["document"].clone();
+        let id = |clip: &Value| clip["id"].as_str().unwrap().to_owned();
+        document["clips"].as_array().unwrap().iter().map(id).collect()
+    };
+    let first = make();
+    studio.post("/api/samples/snake", &json!({}));
+    assert_eq!(clips().len(), 2);
+    let second = make();
+    assert_ne!(first["result"], second["result"], "a clip never changes: what shows it knows it by its id");
+    assert_eq!(clips()[0], second["result"].as_str().unwrap(), "it stands where the other stood");
+    assert_eq!(clips().len(), 2);
+    studio.post("/api/project/undo", &json!({})).good();
+    assert_eq!(clips()[0], first["result"].as_str().unwrap());
+    studio.post("/api/project/redo", &json!({})).good();
+    // A drawn result is made of it now.
+    let control = json!({"kind": "curve", "strokes": [[[0, 0, 0, 0.5], [1, 1, 1, 0.5]]], "timing": "pen"});
+    let draw = json!({"label": "Draw", "commands": [{"type": "setControl", "control": control}]});
+    studio.post("/api/project/commands", &draw).good();
+    make();
+    assert_eq!(clips().len(), 3, "{:?}", clips());
+    assert_eq!(clips()[0], second["result"].as_str().unwrap());
+}
+
+#[test]
+fn a_core_is_left_to_who_draws() {
+    let fake = Arc::new(Fake::default());
+    let studio = studio(&fake);
+    over(&studio, &studio.post("/api/storyboard", &board(&["kick"])).good());
+    let all = fake.threads.lock().unwrap().pop().unwrap();
+    studio.ask("PUT", "/api/storyboard", &JSON, board(&["walk"]).to_string().as_bytes()).good();
+    over(&studio, &studio.post("/api/storyboard", &board(&["walk"])).good());
+    let fewer = fake.threads.lock().unwrap().pop().unwrap();
+    assert!(all >= 2, "the test's studio has two threads at least: {all}");
+    assert_eq!(fewer, all - 1);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::demo_files::DemoFiles;
 use super::generate::{HUMANOID, Model};
-use super::storyboard::{Settings, frames, make, page as board_page, png, shown};
+use super::storyboard::{Settings, Takes, Workshop, all, frames, page as board_page, png, shown};
 use crate::cli::{BlendArg, ExactArg};
 use crate::console::Console;
 use crate::error::CliError;
@@ -42,8 +42,10 @@ pub(super) fn make_board(
     let mut model = Model::shipped(settings.steps)?;
     let encoder = model.read(None)?;
     let understood = frames(&board, &model, &path)?;
-    let made =
-        make(&understood, &model, encoder.as_ref(), &settings, &path, &mut shown(console, understood.len()))?;
+    let workshop = Workshop { model: &model, encoder: encoder.as_ref(), settings: &settings, path: &path };
+    let watch = &mut shown(console, understood.len());
+    let asked = all(&board, understood.iter().map(Some));
+    let made = workshop.make(&asked, &mut Takes::default(), watch)?;
     let export = ExportOptions {
         name: Some(board.title.clone()),
         humanoid: HUMANOID.map(|(name, joint)| HumanBone { name, joint }).to_vec(),

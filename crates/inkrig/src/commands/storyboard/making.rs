@@ -1,5 +1,6 @@
 //! Frames are read, and made one animation.
 
+use super::takes::{Order, Takes};
 use crate::cli::{BlendArg, ExactArg, StepsArg, StoryboardArgs};
 use crate::commands::generate::{Model, about, sampling};
 use crate::console::Console;
@@ -7,16 +8,19 @@ use crate::error::CliError;
 use crate::{printable, readers};
 use inkrig_generate::blending::BlendOptions;
 use inkrig_generate::guidance::SettleOptions;
+use inkrig_generate::readers::sketch::SketchReader;
+use inkrig_generate::readers::word::WordReader;
 use inkrig_generate::sampling::{Sampler, SamplingOptions};
 use inkrig_generate::text::TextEncoder;
 use inkrig_motion::humanml::FRAME_RATE;
-use inkrig_sketch::storyboard::Storyboard;
+use inkrig_sketch::storyboard::{Frame, Storyboard};
 use inkrig_storyboard::{
-    Animation, Blender, Exact, Generated, Maker, MakerOptions, MeetOptions, StoryboardError, Understood,
-    animation, read_figure, understand,
+    Animation, Blender, Exact, Generated, Maker, MakerOptions, MeetOptions, Plan, Space, StoryboardError,
+    Understood, animation, read_figure, understand,
 };
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::Arc;
 
 /// How frames are made.
 #[derive(Debug, Clone)]
@@ -54,7 +58,7 @@ pub(in crate::commands) enum Next {
 }
 
 /// Shows on the console what is made of that many frames.
-pub(in crate::commands) fn shown(console: &Console, frames: usize) -> impl FnMut(Next) -> ControlFlow<()> {
+pub(in crate::commands) fn shown(console: &Console, frames: usize) -> impl FnMut(Next) -> GoOn {
     let mut stage = None;
     move |next| {
         drop(stage.take());
@@ -62,14 +66,19 @@ pub(in crate::commands) fn shown(console: &Console, frames: usize) -> impl FnMut
             Next::Frame(number) => format!("frame {number} of {frames}"),
             Next::Whole => "joining, and meeting the lines".into(),
         }));
-        ControlFlow::Continue(())
+        ControlFlow::Continue(0)
     }
 }
+
+/// Whether to go on, and on how many threads until the next time; 0 for as many as there are.
+pub(in crate::commands) type GoOn = ControlFlow<(), usize>;
 
 /// What came of all frames.
 pub(in crate::commands) struct Made {
     /// Of each frame, before they were joined.
     pub(in crate::commands) clips: Vec<Generated>,
+    /// All that were sampled for each frame, the best first.
+    pub(in crate::commands) ranked: Vec<Arc<[Generated]>>,
     /// The whole.
     pub(in crate::commands) animation: Animation,
 }
@@ -84,18 +93,36 @@ pub(in crate::commands) fn frames(
     model: &Model,
     path: &Path,
 ) -> Result<Vec<Understood>, CliError> {
-    let wrong = wrong(path);
-    let reader = readers::sketch(None)?;
-    let lettered = |board: &Storyboard| {
-        board.frames.iter().any(|frame| frame.word.trim().is_empty() && !frame.lettering.is_empty())
-    };
-    let words = if lettered(board) { Some(readers::word(None)?) } else { None };
-    let mut understood = Vec::new();
-    for (at, frame) in board.frames.iter().enumerate() {
-        let number = at + 1;
-        let figure = read_figure(frame, number, &reader).map_err(&wrong)?;
-        let read = understand(frame, number, figure, &model.body, words.as_ref()).map_err(&wrong)?;
-        let most = model.header.sizes.most_frames();
+    let reader = Reader::open(board, model, path)?;
+    (1..).zip(&board.frames).map(|(number, frame)| reader.read(number, frame)).collect()
+}
+
+/// Reads frames one by one.
+pub(in crate::commands) struct Reader<'a> {
+    figures: SketchReader,
+    words: Option<WordReader>,
+    model: &'a Model,
+    path: &'a Path,
+}
+
+impl<'a> Reader<'a> {
+    pub(in crate::commands) fn open(
+        board: &Storyboard,
+        model: &'a Model,
+        path: &'a Path,
+    ) -> Result<Self, CliError> {
+        let lettered = |frame: &Frame| frame.word.trim().is_empty() && !frame.lettering.is_empty();
+        let words = if board.frames.iter().any(lettered) { Some(readers::word(None)?) } else { None };
+        Ok(Self { figures: readers::sketch(None)?, words, model, path })
+    }
+
+    /// Reads the frame of that number, from 1.
+    pub(in crate::commands) fn read(&self, number: usize, frame: &Frame) -> Result<Understood, CliError> {
+        let wrong = wrong(self.path);
+        let figure = read_figure(frame, number, &self.figures).map_err(&wrong)?;
+        let read =
+            understand(frame, number, figure, &self.model.body, self.words.as_ref()).map_err(&wrong)?;
+        let most = self.model.header.sizes.most_frames();
         if read.plan.frames > most {
             return Err(wrong(StoryboardError::Frame {
                 frame: number,
@@ -107,77 +134,158 @@ pub(in crate::commands) fn frames(
                 todo: "Make it shorter, or two frames of it".into(),
             }));
         }
-        understood.push(read);
+        Ok(read)
     }
-    Ok(understood)
 }
 
-/// Makes one animation; `watch` is told what is next, and may stop it.
-pub(in crate::commands) fn make(
-    understood: &[Understood],
-    model: &Model,
-    encoder: &dyn TextEncoder,
-    settings: &Settings,
-    path: &Path,
-    watch: &mut dyn FnMut(Next) -> ControlFlow<()>,
-) -> Result<Made, CliError> {
-    let wrong = wrong(path);
-    let mut goes_on =
-        |next| if watch(next).is_break() { Err(wrong(StoryboardError::Stopped)) } else { Ok(()) };
-    let usual = sampling(&model.header, settings.steps, &model.path)?;
-    let options = MakerOptions {
-        sampling: SamplingOptions {
-            text_weight: settings.text_weight.unwrap_or(usual.text_weight),
-            guide_every: settings.guide_every,
-            settle: Some(SettleOptions::default()),
-            ..usual
-        },
-        drawn: settings.exact != ExactArg::Off,
-        candidates: settings.candidates,
-        seed: settings.seed,
-    };
-    let no_text = encoder.encode("").map_err(|cause| about(&model.path, cause))?;
-    let text = |number: usize, word: &str| {
-        let description = if word.is_empty() { String::new() } else { model.description(word) };
-        let failed = |cause| wrong(StoryboardError::Generate { frame: number, cause: Box::new(cause) });
-        encoder.encode(&description).map_err(failed)
-    };
-    let texts: Vec<Vec<f32>> = understood
-        .iter()
-        .enumerate()
-        .map(|(at, frame)| text(at + 1, &frame.plan.word))
-        .collect::<Result<_, _>>()?;
-    let networks = model.networks()?;
-    let maker = Maker {
-        networks,
-        features: &model.features,
-        places: &model.places,
-        no_text: &no_text,
-        usual_frames: model.usual_frames(),
-    };
-    let mut clips = Vec::new();
-    for (at, (frame, text)) in understood.iter().zip(&texts).enumerate() {
-        goes_on(Next::Frame(at + 1))?;
-        clips.push(maker.clip(at + 1, &frame.plan, text, &options).map_err(&wrong)?);
+/// A frame to be made.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::commands) struct Asked<'a> {
+    /// Its place in the story, from 1.
+    pub(in crate::commands) number: usize,
+    pub(in crate::commands) frame: &'a Frame,
+    pub(in crate::commands) read: &'a Understood,
+}
+
+/// The frames of a storyboard that were read, in their order.
+pub(in crate::commands) fn all<'a>(
+    board: &'a Storyboard,
+    read: impl Iterator<Item = Option<&'a Understood>>,
+) -> Vec<Asked<'a>> {
+    let frames = (1..).zip(board.frames.iter().zip(read));
+    frames.filter_map(|(number, (frame, read))| Some(Asked { number, frame, read: read? })).collect()
+}
+
+/// What makes animations.
+#[derive(Clone, Copy)]
+pub(in crate::commands) struct Workshop<'a> {
+    pub(in crate::commands) model: &'a Model,
+    pub(in crate::commands) encoder: &'a dyn TextEncoder,
+    pub(in crate::commands) settings: &'a Settings,
+    /// What messages name.
+    pub(in crate::commands) path: &'a Path,
+}
+
+impl Workshop<'_> {
+    fn options(&self) -> Result<MakerOptions, CliError> {
+        let settings = self.settings;
+        let usual = sampling(&self.model.header, settings.steps, &self.model.path)?;
+        Ok(MakerOptions {
+            sampling: SamplingOptions {
+                text_weight: settings.text_weight.unwrap_or(usual.text_weight),
+                guide_every: settings.guide_every,
+                settle: Some(SettleOptions::default()),
+                ..usual
+            },
+            drawn: settings.exact != ExactArg::Off,
+            candidates: settings.candidates,
+            seed: settings.seed,
+        })
     }
-    goes_on(Next::Whole)?;
-    let sampler = Sampler { networks, features: &model.features, no_text: &no_text };
-    let both: Vec<Vec<f32>> = texts
-        .windows(2)
-        .map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| 0.5 * (a + b)).collect())
-        .collect();
-    let blending = BlendOptions {
-        text_weight: options.sampling.text_weight,
-        guide_every: 10,
-        ..BlendOptions::default()
-    };
-    let blender = Blender { sampler: &sampler, texts: &both, options: &blending };
-    let blender = Some(blender).filter(|_| settings.blend == BlendArg::Model);
-    let exact = match settings.exact {
-        ExactArg::Off => Exact::Off,
-        ExactArg::Soft => Exact::Soft,
-        ExactArg::Pin => Exact::Pin(MeetOptions::default()),
-    };
-    let animation = animation(&clips, blender, &model.body, &exact).map_err(&wrong)?;
-    Ok(Made { clips, animation })
+
+    /// What the clips of a frame depend on.
+    pub(in crate::commands) fn order(&self, asked: &Asked<'_>) -> Result<Order, CliError> {
+        let Asked { number, frame, read } = asked;
+        let word = &read.plan.word;
+        let description = if word.is_empty() { String::new() } else { self.model.description(word) };
+        let failed =
+            |cause| wrong(self.path)(StoryboardError::Generate { frame: *number, cause: Box::new(cause) });
+        let text = self.encoder.encode(&description).map_err(failed)?;
+        let number = frame.number.map_or(*number, |number| number as usize);
+        // No sampling sees what is said of the motion in space: whoever moves a joint of it waits for no other motion.
+        let plan = Plan { space: Space::default(), ..read.plan.clone() };
+        Ok(Order { plan, text, options: self.options()?, number })
+    }
+
+    /// Makes one animation; `watch` is told what is next, and may stop it. What is kept of earlier times is not made again.
+    pub(in crate::commands) fn make(
+        &self,
+        frames: &[Asked<'_>],
+        takes: &mut Takes,
+        watch: &mut dyn FnMut(Next) -> GoOn,
+    ) -> Result<Made, CliError> {
+        let Self { model, encoder, settings, path } = *self;
+        let wrong = wrong(path);
+        let mut goes_on = |next| match watch(next) {
+            ControlFlow::Break(()) => Err(wrong(StoryboardError::Stopped)),
+            ControlFlow::Continue(threads) => Ok(threads),
+        };
+        let no_text = encoder.encode("").map_err(|cause| about(&model.path, cause))?;
+        let networks = model.networks()?;
+        let maker = Maker {
+            networks,
+            features: &model.features,
+            places: &model.places,
+            no_text: &no_text,
+            usual_frames: model.usual_frames(),
+        };
+        let (mut clips, mut ranked, mut texts) = (Vec::new(), Vec::new(), Vec::new());
+        for asked in frames {
+            let number = asked.number;
+            let threads = goes_on(Next::Frame(number))?;
+            let order = self.order(asked)?;
+            texts.push(order.text.clone());
+            let known = takes.of(&order);
+            let all = match known {
+                Some(known) => known,
+                None => {
+                    let made =
+                        on(threads, || maker.takes(order.number, &order.plan, &order.text, &order.options));
+                    let made = made.map_err(|cause| wrong(of_frame(cause, number)))?;
+                    takes.keep(order, made)
+                }
+            };
+            let take = asked.frame.take as usize;
+            let clip = all.get(take).ok_or_else(|| {
+                wrong(StoryboardError::Frame {
+                    frame: number,
+                    problem: format!("take {take} is wanted, but {} are made, from 0", all.len()),
+                    todo: "Leave `take` out for the best, or give more --candidates".into(),
+                })
+            })?;
+            let mut clip = clip.clone();
+            clip.plan.space = asked.read.plan.space.clone();
+            clips.push(clip);
+            ranked.push(all);
+        }
+        let threads = goes_on(Next::Whole)?;
+        let sampler = Sampler { networks, features: &model.features, no_text: &no_text };
+        let both: Vec<Vec<f32>> = texts
+            .windows(2)
+            .map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| 0.5 * (a + b)).collect())
+            .collect();
+        let blending = BlendOptions {
+            text_weight: self.options()?.sampling.text_weight,
+            guide_every: 10,
+            ..BlendOptions::default()
+        };
+        let blender = Blender { sampler: &sampler, texts: &both, options: &blending };
+        let blender = Some(blender).filter(|_| settings.blend == BlendArg::Model);
+        let exact = match settings.exact {
+            ExactArg::Off => Exact::Off,
+            ExactArg::Soft => Exact::Soft,
+            ExactArg::Pin => Exact::Pin(MeetOptions::default()),
+        };
+        let body = &model.body;
+        let animation = on(threads, || animation(&clips, blender, body, &exact)).map_err(&wrong)?;
+        Ok(Made { clips, ranked, animation })
+    }
+}
+
+/// The number that samples are made with need not be the frame's place, which messages name.
+fn of_frame(cause: StoryboardError, frame: usize) -> StoryboardError {
+    match cause {
+        StoryboardError::Generate { cause, .. } => StoryboardError::Generate { frame, cause },
+        other => other,
+    }
+}
+
+/// Works on that many threads; 0 for as many as there are.
+fn on<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    let pool = (threads > 0).then(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build());
+    match pool {
+        Some(Ok(pool)) => pool.install(work),
+        // Without threads of their own, on those that all share.
+        _ => work(),
+    }
 }

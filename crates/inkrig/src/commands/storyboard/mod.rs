@@ -8,6 +8,7 @@ mod read;
 mod record;
 mod sheet;
 mod space;
+mod takes;
 
 use super::generate::{HUMANOID, Model, named_model};
 use crate::cli::StoryboardArgs;
@@ -22,10 +23,11 @@ use onto::onto;
 use record::Record;
 use std::path::{Path, PathBuf};
 
-pub(super) use making::{Made, Next, Settings, frames, make, shown};
-pub(super) use page::page;
-pub(super) use record::{Part, parts};
+pub(super) use making::{Asked, Made, Next, Reader, Settings, Workshop, all, frames, shown};
+pub(super) use page::{page, pose, ways};
+pub(super) use record::{Part, parts, poses};
 pub(super) use sheet::png;
+pub(super) use takes::Takes;
 
 pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
     let format = results::format_of(&args.out)?;
@@ -53,14 +55,12 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     let stage = console.stage("reading the drawings");
     let understood = frames(&board, &model, &args.board)?;
     drop(stage);
-    let made = make(
-        &understood,
-        &model,
-        encoder.as_ref(),
-        &Settings::of(args),
-        &args.board,
-        &mut shown(console, understood.len()),
-    )?;
+    let settings = Settings::of(args);
+    let workshop =
+        Workshop { model: &model, encoder: encoder.as_ref(), settings: &settings, path: &args.board };
+    let watch = &mut shown(console, understood.len());
+    let asked = all(&board, understood.iter().map(Some));
+    let made = workshop.make(&asked, &mut Takes::default(), watch)?;
 
     let mut warnings: Vec<String> = understood
         .iter()
@@ -90,7 +90,7 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     for ((path, motion), frame) in clips.iter().zip(&made.animation.clips).zip(&understood) {
         files.push((path, clip_bytes(motion, &made, format, &export(&frame.plan.word))?));
     }
-    let record = Record::of(args, &model, (&understood, &made), certificate, warnings);
+    let record = Record::of(args, &model, (&asked, &made), certificate, warnings);
     if let Some(path) = &args.report {
         files.push((path, serde_json::to_vec_pretty(&record)?));
     }

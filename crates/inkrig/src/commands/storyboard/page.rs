@@ -85,15 +85,11 @@ fn board_frame(row: usize, frame: &Frame, read: &Understood, made: &Made, ways: 
 }
 
 /// Drawn ways in space: a drawing says nothing of how far away they are, so each place is as far as its joint.
-fn ways(row: usize, made: &Made, motion: &[Joints]) -> Vec<BoardWay> {
+pub(in crate::commands) fn ways(row: usize, made: &Made, motion: &[Joints]) -> Vec<BoardWay> {
     let (Some(goals), Some(clip)) = (made.animation.goals.get(row), made.clips.get(row)) else {
         return Vec::new();
     };
-    let place = |goal: &Goal| -> Option<[f32; 3]> {
-        let own: Vec3 = *motion.get(goal.frame)?.get(goal.joint)?;
-        let miss = goal.miss(own);
-        Some((own - goal.axes[0] * miss.x - goal.axes[1] * miss.y).to_array())
-    };
+    let place = |goal: &Goal| Some(drawn(goal, motion.get(goal.frame)?).to_array());
     let joints = clip.plan.ways.iter().map(|(joint, ..)| *joint);
     joints
         .filter_map(|joint| {
@@ -102,4 +98,24 @@ fn ways(row: usize, made: &Made, motion: &[Joints]) -> Vec<BoardWay> {
             Some(BoardWay { begins, rate: FRAME_RATE, points: own().filter_map(place).collect() })
         })
         .collect()
+}
+
+/// The drawn pose of a frame in space, with what is not drawn where the motion has it.
+pub(in crate::commands) fn pose(row: usize, made: &Made, motion: &[Joints]) -> Option<Joints> {
+    let (frame, _) = made.clips.get(row)?.plan.keypose.as_ref()?;
+    let at = made.animation.joined.starts.get(row)? + frame;
+    let own = *motion.get(at)?;
+    let mut pose = own;
+    let drawn_at = |goal: &&Goal| goal.frame == at && goal.source != Source::Edit;
+    for goal in made.animation.goals.get(row)?.iter().filter(drawn_at) {
+        *pose.get_mut(goal.joint)? = drawn(goal, &own);
+    }
+    Some(pose)
+}
+
+/// Where a goal is in space: on the picture where it was drawn, and as far away as its joint.
+fn drawn(goal: &Goal, pose: &Joints) -> Vec3 {
+    let own = pose.get(goal.joint).copied().unwrap_or_default();
+    let miss = goal.miss(own);
+    own - goal.axes[0] * miss.x - goal.axes[1] * miss.y
 }

@@ -1,7 +1,7 @@
 //! What is said of an animation that was made of a storyboard.
 
-use super::Made;
 use super::space::SpaceRecord;
+use super::{Asked, Made};
 use crate::cli::{ExactArg, StoryboardArgs};
 use crate::commands::certificate::CertificateRecord;
 use crate::commands::generate::Model;
@@ -13,7 +13,7 @@ use inkrig_generate::measures::{jerk, peak_jerk, skating};
 use inkrig_motion::humanml::{Joints, NAMES};
 use inkrig_motion::{Clip, kinematics};
 use inkrig_sketch::storyboard::End;
-use inkrig_storyboard::{Animation, Goal, Source, Understood, misses};
+use inkrig_storyboard::{Animation, Goal, Source, misses};
 use serde::Serialize;
 
 /// What `--report` and `--json` hold; the names are stable. Lengths are metres.
@@ -45,7 +45,7 @@ pub(super) struct Record {
 /// One frame of the storyboard.
 #[derive(Serialize)]
 pub(in crate::commands) struct Part {
-    word: String,
+    pub(in crate::commands) word: String,
     /// Where in the animation it begins, frames.
     pub(in crate::commands) begins: usize,
     pub(in crate::commands) frames: usize,
@@ -90,13 +90,13 @@ impl Record {
     pub(super) fn of(
         args: &StoryboardArgs,
         model: &Model,
-        (understood, made): (&[Understood], &Made),
+        (frames, made): (&[Asked<'_>], &Made),
         certificate: Option<CertificateRecord>,
         mut warnings: Vec<String>,
     ) -> Self {
         let Animation { clip: whole, met, .. } = &made.animation;
         let motion = poses(whole);
-        let parts = parts(understood, made, args.exact, &mut warnings);
+        let parts = parts(frames, made, args.exact, &mut warnings);
         Self {
             program: PROGRAM,
             storyboard: json_path(&args.board),
@@ -181,7 +181,7 @@ impl Record {
 
 /// What came of each frame; what the user should know of one goes to `warnings`, its number before it.
 pub(in crate::commands) fn parts(
-    understood: &[Understood],
+    frames: &[Asked<'_>],
     made: &Made,
     exact: ExactArg,
     warnings: &mut Vec<String>,
@@ -190,7 +190,8 @@ pub(in crate::commands) fn parts(
     let motion = poses(whole);
     let name = |joint: usize| NAMES.get(joint).copied().unwrap_or_default();
     let mut parts = Vec::new();
-    for (at, frame) in understood.iter().enumerate() {
+    for (at, asked) in frames.iter().enumerate() {
+        let frame = asked.read;
         let (Some(clip), Some(start), Some(goals)) =
             (made.clips.get(at), joined.starts.get(at), goals.get(at))
         else {
@@ -210,11 +211,12 @@ pub(in crate::commands) fn parts(
         let drawn: Vec<Goal> = goals.iter().filter(|goal| goal.source != Source::Edit).copied().collect();
         let result = misses(&motion, &drawn);
         let space = SpaceRecord::of(at, &made.animation, &motion, &clip.plan.space);
-        warnings.extend(space.warnings(exact).into_iter().map(|told| format!("frame {}: {told}", at + 1)));
+        warnings
+            .extend(space.warnings(exact).into_iter().map(|told| format!("frame {}: {told}", asked.number)));
         if exact == ExactArg::Pin && result[1] > 0.01 {
             warnings.push(format!(
                 "frame {}: the lines are missed by up to {} cm: a person cannot be everywhere that is drawn at once. Look at the sheet for pins and lines that contradict each other",
-                at + 1,
+                asked.number,
                 fixed(100.0 * f64::from(result[1]), 1)
             ));
         }
@@ -236,7 +238,7 @@ pub(in crate::commands) fn parts(
     parts
 }
 
-fn poses(clip: &Clip) -> Vec<Joints> {
+pub(in crate::commands) fn poses(clip: &Clip) -> Vec<Joints> {
     let places = kinematics::positions(clip);
     (0..clip.frames()).filter_map(|frame| places.frame(frame).try_into().ok()).collect()
 }
