@@ -16,7 +16,7 @@ import { Controls } from './document/controls';
 import { Files } from './document/files';
 import { timeOf } from './document/keys';
 import { Session } from './document/session';
-import { linesOf } from './document/storyboard';
+import { linesOf } from './document/storyboardfile';
 import { Ui } from './document/ui';
 import { Carry } from './panels/carry';
 import { acceptDrops, pickFiles } from './panels/drop';
@@ -36,11 +36,15 @@ import { toastFailures } from './panels/toast';
 import { toolbar } from './panels/toolbar';
 import { transport } from './panels/transport';
 import { tunePanel } from './panels/tune';
-import { toggleView, viewbar } from './panels/viewbar';
+import { tellView, toggleView, viewbar } from './panels/viewbar';
 import { Timeline } from './timeline/timeline';
 import { Character } from './viewport/character';
+import { Grab } from './viewport/grab';
 import { duration, type Motion } from './viewport/motion';
 import { Stage } from './viewport/stage';
+
+/** Joints that can be dragged in space: those that stand for a limb. */
+const JOINTS = ['pelvis', 'left_knee', 'right_knee', 'left_ankle', 'right_ankle', 'left_foot', 'right_foot', 'neck', 'head', 'left_elbow', 'right_elbow', 'left_wrist', 'right_wrist'];
 
 startScheme();
 try {
@@ -89,6 +93,7 @@ function start(session: Session): void {
   boards();
   if (!session.store.document.value.control && session.storyboard.file.value.frames.some((frame) => linesOf(frame).length > 0)) controls.choose('storyboard');
   watch();
+  story();
   keys();
   ui.said.subscribe((text) => (byId('said').textContent = text));
   guide(session, ui, false);
@@ -178,6 +183,70 @@ function start(session: Session): void {
     });
   }
 
+  /** Of an animation of the storyboard, viewport and timeline show what was drawn. */
+  function story(): void {
+    const { storyboard: board, store, player } = session;
+    const RATE = 20;
+    const told = () => {
+      const { source, control } = store.document.value;
+      const made = board.made.value;
+      const shown = made && control === null && source.clips.length === 1 && source.clips[0] === made.clip ? made : null;
+      return { parts: shown?.frames.filter(({ begins }) => begins !== null) ?? [], transitions: shown?.transitions ?? [] };
+    };
+    const show = () => {
+      const { parts, transitions } = told();
+      const blocks = parts.map((part) => {
+        const place = board.placeOf(part);
+        const from = (part.begins ?? 0) / RATE;
+        return { from, to: from + part.frames / RATE, text: `${place < 0 ? '' : `${place + 1} `}${part.word}`, chosen: place >= 0 && place === board.chosen.value };
+      });
+      timeline.story = parts.length > 0 ? { parts: blocks, transitions: transitions.map(({ begins, frames }) => ({ from: begins / RATE, to: (begins + frames) / RATE })) } : null;
+    };
+    const drawn = () => {
+      const { parts } = told();
+      stage.board = { frames: parts, chosen: parts.find((part) => board.placeOf(part) === board.chosen.value) ?? null };
+      tellView();
+      show();
+      hold();
+    };
+    const between = 'Between two frames nothing can be moved: take another moment';
+    // A joint that is dragged in space is moved there in its clip's own space, before that was turned and placed.
+    const grab = new Grab(stage, () => player.pause(), (joint, [x, y, z]) => {
+      const now = Math.round(player.seconds.value * RATE);
+      const part = told().parts.find(({ begins, frames }) => now >= (begins ?? 0) && now < (begins ?? 0) + frames);
+      const place = part ? board.placeOf(part) : -1;
+      if (!part || place < 0 || board.running) {
+        ui.said.value = board.running ? 'The animation is being made' : between;
+        return;
+      }
+      const [dx, dy, dz] = [x - part.shift[0], y - part.shift[1], z - part.shift[2]];
+      const [c, s] = [Math.cos(part.turn), Math.sin(part.turn)];
+      const at = [c * dx - s * dz, dy, s * dx + c * dz].map((value) => Number(value.toFixed(4)));
+      board.choose(place);
+      board.moveJoint({ joint, frame: now - (part.begins ?? 0), at: [at[0] ?? 0, at[1] ?? 0, at[2] ?? 0] });
+    });
+    const hold = () => {
+      const { parts } = told();
+      grab.joints = new Set(controls.kind.value === 'storyboard' && board.available && parts.length > 0 ? JOINTS : []);
+    };
+    controls.kind.subscribe(hold);
+    for (const signal of [board.made, session.source]) signal.watch(drawn);
+    store.document.subscribe(drawn);
+    board.file.subscribe(show);
+    timeline.onpart = (index) => {
+      const part = told().parts[index];
+      if (part) board.choose(board.placeOf(part));
+    };
+    // Whoever looks at another frame sees what became of it.
+    board.chosen.subscribe((at) => {
+      drawn();
+      const part = told().parts.find((one) => board.placeOf(one) === at);
+      if (part?.begins == null || player.playing.value) return;
+      const [from, to] = [part.begins / RATE, (part.begins + part.frames) / RATE];
+      if (player.seconds.value < from || player.seconds.value >= to) player.seek(from + (part.keyFrame ?? 0) / RATE);
+    });
+  }
+
   function keys(): void {
     const { player, store } = session;
     const kind = (name: Parameters<Controls['choose']>[0]) => () => controls.choose(name);
@@ -203,6 +272,7 @@ function start(session: Session): void {
       G: () => toggleView(stage, 'ground'),
       O: () => toggleView(stage, 'ghosts'),
       T: () => toggleView(stage, 'trails'),
+      P: () => toggleView(stage, 'drawn'),
       B: () => toggleView(stage, 'compare'),
       '1': kind('curve'),
       '2': kind('wave'),

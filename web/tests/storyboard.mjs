@@ -16,7 +16,16 @@ if (!pictures) {
   process.exit(2);
 }
 // What is drawn: the strokes of a sample, thinned as a quick pen would.
-const sample = JSON.parse(readFileSync(new URL('../../samples/storyboards/kick.json', import.meta.url), 'utf8')).frames[0];
+const read = (name) => JSON.parse(readFileSync(new URL(`../../samples/storyboards/${name}.json`, import.meta.url), 'utf8'));
+const sample = read('kick').frames[0];
+// All that this project drew, and whose ways each frame has.
+const ALL = {
+  'walk-and-wave': [['pelvis|hip|spine'], ['right_wrist|left_wrist|elbow']],
+  jump: [['pelvis|hip|spine'], ['pelvis|hip|spine']],
+  'sit-down-and-stand-up': [['pelvis|hip|spine'], ['pelvis|hip|spine']],
+  dance: [['wrist|elbow', 'wrist|elbow'], ['foot|ankle'], []],
+  'turn-and-run': [[], ['pelvis|hip|spine']],
+};
 const SHEET = '.sheet canvas';
 const folder = mkdtempSync(join(tmpdir(), 'inkrig-storyboard-'));
 const project = join(folder, 'project');
@@ -24,12 +33,14 @@ const browser = await startBrowser(chromium);
 let studio = await startStudio(program, project);
 let failures = 0;
 let seen = [];
+let pageOf = () => null;
 
 const kept = async () => (await fetch(new URL('api/storyboard', studio.address))).json();
 
 try {
   const opened = await openPage(browser, studio.address);
   let { page } = opened;
+  pageOf = () => page;
   const { problems, state } = opened;
   seen = problems;
 
@@ -111,6 +122,162 @@ try {
     await page.keyboard.press('Shift+D');
   });
 
+  await step('another motion of the frame is taken', async () => {
+    const before = await made(null);
+    const takes = page.getByRole('group', { name: 'Motions of the frame' }).getByRole('button');
+    assert.equal(await takes.count(), 4);
+    assert.equal(await takes.first().getAttribute('aria-pressed'), 'true');
+    const misses = before.frames[0].takes.map((take) => take.meanMiss);
+    assert.ok(misses.every((miss) => miss > 0 && miss < 0.5), String(misses));
+    const begun = Date.now();
+    await takes.nth(2).click();
+    const after = await made(before.job);
+    console.log(`  another motion after ${((Date.now() - begun) / 1000).toFixed(1)} s`);
+    assert.ok(Date.now() - begun < 8000, 'motions that were kept are made again');
+    assert.equal((await kept()).board.frames[0].take, 2);
+    assert.deepEqual(after.frames[0].takes, before.frames[0].takes, 'the motions themselves are the same');
+    assert.notEqual(after.clip, before.clip);
+    await until('the mark of the one that is taken', async () => (await takes.nth(2).getAttribute('aria-pressed')) === 'true');
+    const { document } = await (await fetch(new URL('api/project', studio.address))).json();
+    assert.ok(document.clips.every((clip) => clip.id !== before.clip), 'a clip is added each time');
+    await takes.first().click();
+    await made(after.job);
+  });
+
+  await step('joints are pinned by dragging, and freed', async () => {
+    const joint = (await made(null)).frames[0].joints.find(({ name }) => name === 'left_wrist');
+    await page.locator(SHEET).focus();
+    await page.keyboard.press('v');
+    const at = await seenAt(page, joint);
+    const [dx, dy] = [0.05, -0.06];
+    await penStroke(page, SHEET, Array.from({ length: 8 }, (_, i) => [at[0] + (dx * i) / 7, at[1] + (dy * i) / 7]), { pause: 8 });
+    const pin = await until('the pin', async () => (await kept()).board.frames[0].pins?.find((one) => one.joint === 'left_wrist'));
+    assert.ok(pin.at[0] > joint.x + 5 && pin.at[1] > joint.y + 5, JSON.stringify([joint, pin]));
+    assert.match(await page.locator('.board-said').textContent(), /Changed since/);
+    const before = await made(null);
+    await page.keyboard.press('m');
+    const after = await made(before.job);
+    const now = after.frames[0].joints.find(({ name }) => name === 'left_wrist');
+    assert.ok(now.pinned && Math.hypot(now.x - pin.at[0], now.y - pin.at[1]) < 0.11, JSON.stringify([now, pin]));
+    assert.deepEqual(await violations(page), []);
+    await page.screenshot({ path: picture(pictures, 'storyboard-pin-dark-1440') });
+    await page.keyboard.press('Control+z');
+    await until('no pin', async () => !(await kept()).board.frames[0].pins);
+    await page.keyboard.press('Control+Shift+Z');
+    await until('the pin again', async () => (await kept()).board.frames[0].pins?.length === 1);
+    // A tap twice, or the eraser, or Delete on the chosen joint.
+    const there = [at[0] + dx, at[1] + dy];
+    for (let tap = 0; tap < 2; tap += 1) await penStroke(page, SHEET, [there, there], { pause: 4 });
+    await until('it is free', async () => !(await kept()).board.frames[0].pins);
+    for (let times = 0; times < 3; times += 1) await page.keyboard.press('j');
+    await page.keyboard.press('Shift+ArrowRight');
+    await until('a pin by keys', async () => (await kept()).board.frames[0].pins?.length === 1);
+    await page.keyboard.press('Delete');
+    await until('it is free again', async () => !(await kept()).board.frames[0].pins);
+  });
+
+  await step('camera and length of a frame', async () => {
+    const gizmo = await page.locator('.gizmo').boundingBox();
+    await page.mouse.move(gizmo.x + 22, gizmo.y + 22);
+    await page.mouse.down();
+    await page.mouse.move(gizmo.x + 2, gizmo.y + 12, { steps: 5 });
+    await page.mouse.up();
+    await until('the turned camera', async () => (await kept()).board.frames[0].camera?.yaw_degrees === 0);
+    assert.equal((await kept()).board.frames[0].camera.pitch_degrees, 5);
+    await page.getByLabel('Yaw of the camera').fill('20');
+    await page.getByLabel('Pitch of the camera').fill('15');
+    await page.getByLabel('Seconds of the frame').fill('1.5');
+    await page.getByLabel('Seconds of the frame').press('Tab');
+    await until('numbers', async () => {
+      const { camera, seconds } = (await kept()).board.frames[0];
+      return camera.yaw_degrees === 20 && camera.pitch_degrees === 15 && seconds === 1.5;
+    });
+    const before = await made(null);
+    await page.getByRole('button', { name: 'Generate frame' }).click();
+    assert.equal((await made(before.job)).frames[0].frames, 30);
+    await page.locator(SHEET).focus();
+    await page.keyboard.press('Control+z');
+    await until('as long as is needed', async () => (await kept()).board.frames[0].seconds === undefined);
+  });
+
+  await step('one frame alone, then with the others', async () => {
+    await page.keyboard.press('n');
+    await page.getByLabel('Word of the frame').fill('walk');
+    await page.getByLabel('Word of the frame').press('Tab');
+    const before = await made(null);
+    await page.locator(SHEET).focus();
+    await page.keyboard.press('m');
+    const alone = await made(before.job);
+    assert.deepEqual(alone.frames.map(({ number, begins }) => [number, begins]).filter(([, begins]) => begins !== null), [[2, 0]], 'the first waits to be made');
+    await page.getByRole('button', { name: 'Generate all' }).click();
+    const all = await made(alone.job);
+    assert.equal(all.frames.filter(({ begins }) => begins !== null).length, 2);
+    assert.equal(all.transitions.length, 1);
+    await page.keyboard.press('[');
+    await page.getByLabel('Seconds of the frame').fill('1.2');
+    await page.getByLabel('Seconds of the frame').press('Tab');
+    await page.locator(SHEET).focus();
+    await page.keyboard.press('m');
+    const joined = await made(all.job);
+    assert.equal(joined.frames.filter(({ begins }) => begins !== null).length, 2, 'the second was made already');
+    assert.equal(joined.frames[0].frames, 24);
+    assert.deepEqual(joined.frames[1].takes, all.frames[1].takes);
+    // Moved frames keep their motions.
+    await page.keyboard.press('}');
+    await until('the other order', async () => (await kept()).board.frames[1].number === 1);
+    await page.getByRole('button', { name: 'Generate all' }).click();
+    const moved = await made(joined.job);
+    assert.deepEqual(moved.frames.map(({ takes }) => takes), joined.frames.map(({ takes }) => takes).reverse());
+    await page.locator(SHEET).focus();
+    await page.keyboard.press('[');
+    await page.keyboard.press('Delete');
+    await until('one frame', async () => (await kept()).board.frames.length === 1);
+    await page.getByRole('button', { name: 'Generate all' }).click();
+    await made(moved.job);
+  });
+
+  await step('a joint is dragged in space', async () => {
+    const before = await made(null);
+    const stage = await page.locator('#stage').boundingBox();
+    await page.keyboard.press('Home');
+    for (let i = 0; i < 10; i += 1) await page.keyboard.press('.');
+    // Somewhere over the character a joint lights up.
+    const at = await (async () => {
+      for (let y = 0.2; y < 0.8; y += 0.025) {
+        for (let x = 0.3; x < 0.7; x += 0.02) {
+          await page.mouse.move(stage.x + x * stage.width, stage.y + y * stage.height);
+          if (/wrist/.test(await page.evaluate(() => document.querySelector('.handle:not([hidden])')?.textContent ?? ''))) return [stage.x + x * stage.width, stage.y + y * stage.height];
+        }
+      }
+      throw new Error('no joint lights up');
+    })();
+    await page.mouse.down();
+    await page.mouse.move(at[0] + 30, at[1] - 40, { steps: 6 });
+    await page.screenshot({ path: picture(pictures, 'storyboard-space-dark-1440') });
+    const begun = Date.now();
+    await page.mouse.up();
+    const after = await made(before.job);
+    console.log(`  moved after ${((Date.now() - begun) / 1000).toFixed(1)} s`);
+    const [edit] = (await kept()).board.frames[0].edits;
+    assert.match(edit.joint, /wrist/);
+    assert.equal(edit.frame, 10);
+    assert.ok(edit.at.every((value) => Math.abs(value) < 3), JSON.stringify(edit));
+    assert.deepEqual(after.frames[0].takes, before.frames[0].takes, 'nothing is sampled again');
+    await until('the joint where it was let go', async () => {
+      await page.mouse.move(at[0] + 31, at[1] - 41);
+      await page.mouse.move(at[0] + 30, at[1] - 40);
+      return (await page.evaluate(() => document.querySelector('.handle:not([hidden])')?.textContent ?? '')) === edit.joint.replace('_', ' ');
+    }, 5000);
+    await page.getByRole('switch', { name: 'Lock ends' }).check({ force: true });
+    const locked = await made(after.job);
+    assert.equal((await kept()).board.frames[0].lock_ends, true);
+    assert.deepEqual(await violations(page), []);
+    await page.getByRole('button', { name: 'Undo all moves' }).click();
+    await made(locked.job);
+    assert.equal((await kept()).board.frames[0].edits, undefined);
+    assert.equal(await page.getByRole('button', { name: 'Undo all moves' }).count(), 0);
+  });
+
   await step('it is taken home as a file', async () => {
     await page.getByRole('button', { name: 'Export', exact: true }).click();
     await page.locator('dialog select').first().selectOption('bvh');
@@ -125,6 +292,9 @@ try {
 
   await step('another one is stopped', async () => {
     const { clip } = (await kept()).made;
+    // What was made already would be there at once.
+    await page.getByLabel('Seconds of the frame').fill('2.5');
+    await page.getByLabel('Seconds of the frame').press('Tab');
     await page.locator(SHEET).focus();
     await page.keyboard.press('Control+Enter');
     await page.getByRole('button', { name: 'Cancel' }).click();
@@ -143,7 +313,57 @@ try {
     await until('the drawing', async () => (await page.locator('.frame').count()) === 1);
     assert.ok(await page.locator(SHEET).isVisible(), 'the studio does not open with the storyboard');
     assert.equal(await page.getByLabel('Word of the frame').inputValue(), 'kick');
+    await until('what was made of it', async () => (await page.getByRole('group', { name: 'Motions of the frame' }).getByRole('button').count()) === 4);
+    assert.equal(await page.getByRole('button', { name: 'Drawn poses and ways' }).count(), 1, 'the key pose is not shown');
     assert.deepEqual(again.problems, []);
+  });
+
+  for (const [name, frames] of Object.entries(ALL)) {
+    await step(`${name}, drawn with a pen`, async () => {
+      await clear(page);
+      await page.locator('label.switch', { hasText: 'Pen' }).locator('input').uncheck({ force: true });
+      const { frames: drawn } = read(name);
+      const places = await scaled(page, drawn.flatMap((frame) => [...frame.body, ...(frame.trajectories ?? []).map((way) => way.points), ...(frame.scene ?? [])]));
+      for (const [i, frame] of drawn.entries()) {
+        if (i > 0) await page.keyboard.press('n');
+        for (const [key, lines] of [['s', frame.scene], ['d', frame.body], ['r', frame.trajectories?.map((way) => way.points)], ['q', frame.speed_lines]]) {
+          if (!lines?.length) continue;
+          await page.keyboard.press(key);
+          for (const line of lines) await penStroke(page, SHEET, places(line), { pause: 3 });
+        }
+        await page.getByLabel('Word of the frame').fill(frame.word);
+        if (frame.seconds) await page.getByLabel('Seconds of the frame').fill(String(frame.seconds));
+        await page.getByLabel('Word of the frame').focus();
+        await page.getByLabel('Word of the frame').press('Tab');
+        await page.locator(SHEET).focus();
+      }
+      await until('all of it', async () => {
+        const { board } = await kept();
+        return board.frames.length === drawn.length && board.frames.every((frame, i) => frame.body?.length === drawn[i].body.length && frame.word === drawn[i].word);
+      });
+      const before = await made(null);
+      await page.getByRole('button', { name: 'Generate all' }).click();
+      const done = await made(before?.job);
+      await page.waitForTimeout(700);
+      await page.screenshot({ path: picture(pictures, `storyboard-${name}`) });
+      for (const [i, joints] of frames.entries()) {
+        const { ways, meanMiss, worstMiss, word } = done.frames[i];
+        console.log(`  ${word}: ways of ${ways.map((way) => way.joint).join(', ') || 'nothing'}, ${(100 * meanMiss).toFixed(1)} cm off the drawing, ${(100 * worstMiss).toFixed(1)} at most`);
+        assert.equal(ways.length, joints.length, `frame ${i + 1}`);
+        ways.forEach((way, k) => assert.match(way.joint, new RegExp(joints[k]), `frame ${i + 1}`));
+        assert.ok(meanMiss < 0.15, `frame ${i + 1}: ${meanMiss} m`);
+      }
+      assert.equal(done.transitions.length, drawn.length - 1);
+      assert.deepEqual(await violations(page), []);
+    });
+  }
+
+  await step('on a narrow page, light', async () => {
+    await page.setViewportSize({ width: 820, height: 1100 });
+    await page.keyboard.press('Shift+D');
+    assert.deepEqual(await violations(page), []);
+    await page.waitForTimeout(500);
+    await page.screenshot({ path: picture(pictures, 'storyboard-narrow-light') });
   });
   assert.deepEqual(problems, []);
 } finally {
@@ -153,11 +373,44 @@ try {
 }
 process.exit(failures > 0 ? 1 : 0);
 
-/** From the sample's canvas to parts of the sheet: a figure of a good size in its middle. */
-async function scaled(page) {
+/** The newest animation once it is another job's than `before`. */
+async function made(before) {
+  return until('the animation', async () => {
+    const now = await kept();
+    const said = await pageOf().locator('.board-said.bad').count();
+    assert.equal(said, 0, said ? await pageOf().locator('.board-said').textContent() : '');
+    return now.job === null && now.made?.job !== before && (now.made ?? before === null);
+  }, 240_000);
+}
+
+/** From the sample's canvas to parts of the sheet: all lines of a good size in its middle. */
+async function scaled(page, lines = [...sample.body, ...sample.trajectories.map((way) => way.points), ...sample.scene]) {
   const box = await page.locator(SHEET).boundingBox();
-  const scale = (0.72 * box.height) / 330;
-  return (line) => line.filter((_, i) => i % 2 === 0 || i === line.length - 1).map(([x, y]) => [0.54 + (scale * x) / box.width, 0.86 - (scale * y) / box.height]);
+  const all = lines.flat();
+  const ends = (axis) => [Math.min(...all.map((row) => row[axis])), Math.max(...all.map((row) => row[axis]))];
+  const [[x0, x1], [y0, y1]] = [ends(0), ends(1)];
+  const scale = Math.min((0.62 * box.width) / (x1 - x0), (0.84 * box.height) / (y1 - y0));
+  const place = ([x, y]) => [0.5 + (scale * (x - (x0 + x1) / 2)) / box.width, 0.5 - (scale * (y - (y0 + y1) / 2)) / box.height];
+  const step = (line) => Math.max(2, Math.ceil(line.length / 16));
+  return (line) => line.filter((_, i) => i % step(line) === 0 || i === line.length - 1).map(place);
+}
+
+/** Where a place of the frame's canvas is on the sheet, as parts of it: by a line whose places are known on both. */
+async function seenAt(page, { x, y }) {
+  const box = await page.locator(SHEET).boundingBox();
+  const view = await page.locator(SHEET).evaluate((canvas) => JSON.parse(canvas.dataset.view));
+  return [(view.x + view.scale * x) / box.width, (view.y - view.scale * y) / box.height];
+}
+
+/** An empty frame, whatever was there. */
+async function clear(page) {
+  await page.locator(SHEET).focus();
+  await page.keyboard.press('d');
+  await page.keyboard.press('n');
+  while ((await page.locator('.frame').count()) > 1) {
+    await page.keyboard.press('[');
+    await page.keyboard.press('Delete');
+  }
 }
 
 async function step(name, work) {

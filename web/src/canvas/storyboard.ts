@@ -1,11 +1,13 @@
 import { fit, h, onResize, painter } from '../base/dom';
 import { theme } from '../base/theme';
 import { Signal } from '../base/signal';
-import { linesOf, without, type BoardFrame, type Ink, type Row, type Storyboard } from '../document/storyboard';
+import type { Storyboard } from '../document/storyboard';
+import { linesOf, without, type BoardFrame, type Ink, type Row } from '../document/storyboardfile';
 import { listenToPen, type PenSample } from './pen';
-import { drawFrame, drawLineOf, drawRead, toPixels, toUnits, viewOf, type View } from './storyboardview';
+import { Joints } from './storyboardjoints';
+import { drawFrame, drawLineOf, toPixels, toUnits, viewOf, type View } from './storyboardview';
 
-export type BoardTool = Ink | 'eraser';
+export type BoardTool = Ink | 'eraser' | 'joints';
 
 /** How near to a line, in CSS pixels, the eraser takes it. */
 const NEAR = 9;
@@ -23,21 +25,35 @@ export class StoryboardCanvas {
   readonly #canvas = h('canvas', { tabindex: 0, role: 'img' });
   readonly #hint = h('p', { class: 'invite' });
   readonly #draw: () => void;
+  readonly #joints: Joints;
   #view: View = { scale: 1, x: 0, y: 0 };
   #frame: BoardFrame | null = null;
   #line: Row[] | null = null;
   /** What the eraser has left of the frame. */
   #rest: BoardFrame | null = null;
 
-  constructor(readonly story: Storyboard) {
+  /** `say` tells who cannot see it which joint is chosen. */
+  constructor(
+    readonly story: Storyboard,
+    say: (text: string) => void,
+  ) {
     this.element = h('div', { class: 'sheet' }, this.#canvas, this.#hint);
     this.#draw = painter(() => this.#render(), this.#canvas);
+    this.#joints = new Joints(story, () => this.#view, this.#draw, say);
     onResize(this.#canvas, () => this.#look());
     listenToPen(this.#canvas, { begin: (sample) => this.#begin(sample), move: (samples) => this.#move(samples), end: (cancelled) => this.#end(cancelled) });
-    this.tool.watch((tool) => (this.#canvas.dataset['tool'] = tool));
+    this.tool.watch((tool) => {
+      this.#canvas.dataset['tool'] = tool;
+      this.#joints.held = tool === 'joints';
+    });
+    this.#canvas.addEventListener('keydown', (event) => {
+      if (this.tool.value !== 'joints' || event.ctrlKey || event.metaKey || event.altKey || !this.#joints.key(event.key, event.shiftKey)) return;
+      event.preventDefault();
+      event.stopPropagation();
+    });
     story.chosen.subscribe(() => this.#look());
     story.file.subscribe(() => this.#draw());
-    for (const signal of [theme, story.read, this.shows]) signal.subscribe(this.#draw);
+    for (const signal of [theme, story.made, this.shows]) signal.subscribe(this.#draw);
     const name = () => {
       const { frame } = story;
       const count = (list: readonly unknown[] | undefined, what: string) => `${list?.length ?? 0} ${what}`;
@@ -58,6 +74,7 @@ export class StoryboardCanvas {
   }
 
   #begin(sample: PenSample): boolean {
+    if (this.tool.value === 'joints') return this.#joints.grab([sample.x, sample.y]);
     if (this.tool.value === 'eraser') {
       this.#rest = this.story.frame;
       this.#erase(sample);
@@ -70,6 +87,8 @@ export class StoryboardCanvas {
   }
 
   #move(samples: readonly PenSample[]): void {
+    const last = samples.at(-1);
+    if (last) this.#joints.drag([last.x, last.y]);
     for (const sample of samples) {
       if (this.#rest) this.#erase(sample);
       const last = this.#line?.at(-1);
@@ -83,8 +102,9 @@ export class StoryboardCanvas {
   #end(cancelled: boolean): void {
     const [line, rest] = [this.#line, this.#rest];
     [this.#line, this.#rest] = [null, null];
-    if (!cancelled && line && this.tool.value !== 'eraser') this.story.draw(this.tool.value, line);
-    if (!cancelled && rest && rest !== this.story.frame) this.story.change(rest);
+    this.#joints.release(cancelled);
+    if (!cancelled && line && this.tool.value !== 'eraser' && this.tool.value !== 'joints') this.story.draw(this.tool.value, line);
+    if (!cancelled && rest && rest !== this.story.frame) this.story.change(difference(this.story.frame, rest));
     this.#draw();
   }
 
@@ -97,6 +117,11 @@ export class StoryboardCanvas {
   #erase({ x, y }: PenSample): void {
     const frame = this.#rest;
     if (!frame) return;
+    const pin = (frame.pins ?? []).find(({ at: [u, v] }) => Math.hypot(toPixels(this.#view, u, v)[0] - x, toPixels(this.#view, u, v)[1] - y) < NEAR);
+    if (pin) {
+      this.#rest = { ...frame, pins: (frame.pins ?? []).filter((other) => other !== pin) };
+      return;
+    }
     const touched = linesOf(frame).find(({ line }) => line.some((row, i) => this.#near(x, y, row, line[i + 1] ?? row)));
     if (touched) this.#rest = { ...frame, ...without(frame, touched.ink, touched.at) };
   }
@@ -115,9 +140,14 @@ export class StoryboardCanvas {
     // A frame that came from elsewhere is seen whole.
     if (this.#frame === null && !this.#line) this.#view = viewOf(frame, width, height, 18);
     this.#frame = frame;
+    this.#canvas.dataset['view'] = JSON.stringify(this.#view);
     drawFrame(context, this.#view, frame, 3);
-    if (this.#line && this.tool.value !== 'eraser') drawLineOf(context, this.#view, this.tool.value, this.#line, 3);
-    const made = this.shows.value ? this.story.read.value.get(this.story.frame) : undefined;
-    if (made && !this.#rest) drawRead(context, this.#view, made);
+    if (this.#line && this.tool.value !== 'eraser' && this.tool.value !== 'joints') drawLineOf(context, this.#view, this.tool.value, this.#line, 3);
+    if (this.shows.value || this.tool.value === 'joints') this.#joints.paint(context, frame);
   }
+}
+
+/** What the eraser took, so that what is known of a figure that it did not touch stays. */
+function difference(before: BoardFrame, after: BoardFrame): Partial<BoardFrame> {
+  return Object.fromEntries(Object.entries(after).filter(([name, value]) => before[name as keyof BoardFrame] !== value));
 }

@@ -1,20 +1,10 @@
 import { css, type Rgb } from '../base/colour';
 import type { Vec2 } from '../base/maths';
 import { theme } from '../base/theme';
-import type { MadeFrame } from '../api/types';
-import { linesOf, type BoardFrame, type Ink, type Line } from '../document/storyboard';
+import { linesOf, type BoardFrame, type Ink, type Line } from '../document/storyboardfile';
 
 /** A box of the canvas that is always seen, canvas units: a standing figure and room for its ways. */
 const PAGE: { low: Vec2; high: Vec2 } = { low: [-220, -50], high: [220, 350] };
-/** Bones between joints that were read. */
-const BONES: readonly (readonly [string, string])[] = [
-  ['pelvis', 'spine3'], ['spine3', 'neck'], ['neck', 'head'],
-  ['pelvis', 'left_hip'], ['left_hip', 'left_knee'], ['left_knee', 'left_ankle'], ['left_ankle', 'left_foot'],
-  ['pelvis', 'right_hip'], ['right_hip', 'right_knee'], ['right_knee', 'right_ankle'], ['right_ankle', 'right_foot'],
-  ['neck', 'left_shoulder'], ['left_shoulder', 'left_elbow'], ['left_elbow', 'left_wrist'],
-  ['neck', 'right_shoulder'], ['right_shoulder', 'right_elbow'], ['right_elbow', 'right_wrist'],
-];
-
 /** Canvas units to CSS pixels. */
 export interface View {
   readonly scale: number;
@@ -98,26 +88,4 @@ function drawArrow(context: CanvasRenderingContext2D, view: View, line: Line, wi
 function pixelsOf(view: View, line: Line, at: number): Vec2 {
   const [x = 0, y = 0] = line[at] ?? [];
   return toPixels(view, x, y);
-}
-
-/** The joints that were read, left red and right blue as on sheets, pale where they are not sure. */
-export function drawRead(context: CanvasRenderingContext2D, view: View, made: MadeFrame): void {
-  const places = new Map(made.joints.map((joint) => [joint.name, joint]));
-  const colour = (name: string): Rgb => (name.startsWith('left') ? [222, 70, 70] : name.startsWith('right') ? [70, 120, 235] : [140, 140, 150]);
-  for (const [from, to] of BONES) {
-    const [a, b] = [places.get(from), places.get(to)];
-    if (!a || !b) continue;
-    context.beginPath();
-    context.moveTo(...toPixels(view, a.x, a.y));
-    context.lineTo(...toPixels(view, b.x, b.y));
-    context.lineWidth = 1.5;
-    context.strokeStyle = css(colour(to), 0.35 + 0.5 * Math.min(a.confidence, b.confidence));
-    context.stroke();
-  }
-  for (const joint of made.joints) {
-    context.beginPath();
-    context.arc(...toPixels(view, joint.x, joint.y), joint.pinned ? 5.5 : 4, 0, 2 * Math.PI);
-    context.fillStyle = css(colour(joint.name), 0.3 + 0.7 * joint.confidence);
-    context.fill();
-  }
 }

@@ -1,52 +1,34 @@
 import { get, post, put, Refused, remove } from '../api/http';
-import type { BoardState, JobState, MadeFrame } from '../api/types';
+import type { BoardMade, BoardState, JobState, MadeFrame } from '../api/types';
 import { Signal } from '../base/signal';
-
-/** x to the right, y up, then seconds and pressure where there are some. */
-export type Row = readonly number[];
-export type Line = readonly Row[];
-export type Ink = 'body' | 'trajectory' | 'speed' | 'scene';
-export type Exactness = 'off' | 'soft' | 'pin';
-
-/** A frame of the storyboard's file; whatever else a file says of a frame stays as it is. */
-export interface BoardFrame {
-  readonly word?: string;
-  readonly body?: readonly Line[];
-  readonly trajectories?: readonly Way[];
-  readonly speed_lines?: readonly Line[];
-  readonly scene?: readonly Line[];
-  readonly seconds?: number;
-}
-
-export interface Way {
-  readonly points: Line;
-  readonly joint?: string;
-  readonly figure?: 'start' | 'end';
-}
-
-export interface BoardFile {
-  readonly inkrig_storyboard: 1;
-  readonly title?: string;
-  readonly frames: readonly BoardFrame[];
-}
+import { numbered, type BoardFile, type BoardFrame, type Edit, type Exactness, type Ink, type Line } from './storyboardfile';
 
 /** How long nothing has to be drawn before the storyboard is kept, milliseconds. */
 const REST = 300;
 const MOST_STEPS = 200;
 const EMPTY: BoardFile = { inkrig_storyboard: 1, frames: [{}] };
 
+/** What is known of a frame. */
+export interface Told {
+  readonly made: MadeFrame;
+  /** Whether the frame is drawn as it was then. */
+  readonly still: boolean;
+}
+
 /** The storyboard that is drawn: kept with the project, with an undo of its own, and what was made of it. */
 export class Storyboard {
   readonly file = new Signal<BoardFile>(EMPTY);
   readonly chosen = new Signal(0);
   readonly job = new Signal<JobState | null>(null);
-  /** What was read of the frames, as they were then. */
-  readonly read = new Signal<ReadonlyMap<BoardFrame, MadeFrame>>(new Map());
+  /** The newest animation. */
+  readonly made = new Signal<BoardMade | null>(null);
   readonly problem = new Signal<string | null>(null);
   readonly saved = new Signal(true);
   readonly words: readonly string[];
   readonly available: boolean;
   exact: Exactness = 'soft';
+  /** By the frame as it was drawn: undo finds it again. */
+  readonly #told = new WeakMap<BoardFrame, Told>();
   #past: BoardFile[] = [];
   #future: BoardFile[] = [];
   #timer = 0;
@@ -60,14 +42,15 @@ export class Storyboard {
     if (state.board) this.file.value = state.board as unknown as BoardFile;
     this.job.value = state.job;
     if (state.job) this.#asked = this.file.value.frames;
-    if (state.made) this.#take(this.file.value.frames, state.made.frames);
+    state.made?.frames.forEach((made, i) => this.#tell(this.file.value.frames[state.of[i] ?? -1], made, state.still[i]));
+    this.made.value = state.made;
   }
 
   static async open(): Promise<Storyboard> {
     try {
       return new Storyboard(await get<BoardState>('storyboard'), null);
     } catch (error) {
-      return new Storyboard({ available: false, words: [], board: null, job: null, made: null }, said(error));
+      return new Storyboard({ available: false, words: [], board: null, job: null, made: null, of: [], still: [] }, said(error));
     }
   }
 
@@ -79,6 +62,16 @@ export class Storyboard {
     return this.job.value?.state === 'running';
   }
 
+  /** What is known of a frame: of one that was changed since, what held before. */
+  told(frame = this.frame): Told | null {
+    return this.#told.get(frame) ?? null;
+  }
+
+  /** Which frame, from 0, a part of the animation is of; -1 where it is gone. */
+  placeOf(made: MadeFrame): number {
+    return this.file.value.frames.findIndex((frame) => this.#told.get(frame)?.made === made);
+  }
+
   /** One step of undo. */
   edit(frames: readonly BoardFrame[], chosen = this.chosen.value): void {
     this.#past = [...this.#past.slice(1 - MOST_STEPS), this.file.value];
@@ -87,7 +80,12 @@ export class Storyboard {
   }
 
   change(what: Partial<BoardFrame>): void {
-    this.edit(this.file.value.frames.map((frame, i) => (i === this.chosen.value ? { ...frame, ...what } : frame)));
+    const before = this.frame;
+    const after = { ...before, ...what };
+    const told = this.#told.get(before);
+    // Of another figure nothing is known.
+    if (told && !('body' in what)) this.#told.set(after, { ...told, still: false });
+    this.edit(this.file.value.frames.map((frame, i) => (i === this.chosen.value ? after : frame)));
   }
 
   draw(ink: Ink, line: Line): void {
@@ -97,16 +95,28 @@ export class Storyboard {
     else this.change({ [ink]: [...(frame[ink] ?? []), line] });
   }
 
+  /** Says where a joint of the figure is. */
+  pin(joint: string, at: readonly [number, number]): void {
+    this.change({ pins: [...(this.frame.pins ?? []).filter((pin) => pin.joint !== joint), { joint, at }] });
+  }
+
+  unpin(joint: string): void {
+    const pins = this.frame.pins ?? [];
+    if (pins.some((pin) => pin.joint === joint)) this.change({ pins: pins.filter((pin) => pin.joint !== joint) });
+  }
+
   add(copy: boolean): void {
     const { frames } = this.file.value;
     const at = this.chosen.value;
-    const fresh: BoardFrame = copy ? { ...this.frame } : {};
-    this.edit([...frames.slice(0, at + 1), fresh, ...frames.slice(at + 1)], at + 1);
+    const fresh: BoardFrame = copy ? { ...this.frame, number: undefined } : {};
+    const told = this.told();
+    if (copy && told) this.#told.set(fresh, { ...told, still: false });
+    this.#arrange([...frames.slice(0, at + 1), fresh, ...frames.slice(at + 1)], at + 1);
   }
 
   remove(): void {
     const at = this.chosen.value;
-    this.edit(this.file.value.frames.filter((_, i) => i !== at), at);
+    this.#arrange(this.file.value.frames.filter((_, i) => i !== at), at);
   }
 
   /** Puts the chosen frame a place on or back. */
@@ -116,7 +126,7 @@ export class Storyboard {
     const [here, there] = [frames[from], frames[to]];
     if (!here || !there) return;
     [frames[from], frames[to]] = [there, here];
-    this.edit(frames, to);
+    this.#arrange(frames, to);
   }
 
   choose(at: number): void {
@@ -137,20 +147,44 @@ export class Storyboard {
     this.#show(after, this.chosen.value);
   }
 
-  async make(): Promise<void> {
+  /** Makes the animation of all frames, or of the chosen one, with the others where these need not be made again. */
+  async make(only = false): Promise<void> {
     if (this.running) return;
     clearTimeout(this.#timer);
     this.problem.value = null;
     const { file } = this;
     this.#asked = file.value.frames;
     try {
-      const job = await post<JobState>(`storyboard?exact=${this.exact}`, file.value);
+      const job = await post<JobState>(`storyboard?exact=${this.exact}${only ? `&frame=${this.chosen.value + 1}` : ''}`, file.value);
       // The stream of news may have been quicker.
       if (this.job.value?.id !== job.id) this.job.value = job;
       this.saved.value = true;
     } catch (error) {
       this.problem.value = said(error);
     }
+  }
+
+  /** Takes another motion for the chosen frame, and shows it. */
+  take(number: number): void {
+    if (!this.running && number !== (this.frame.take ?? 0)) this.#apply({ take: number });
+  }
+
+  /** Moves a joint of the chosen frame's motion, and shows that. */
+  moveJoint(edit: Edit): void {
+    const others = (this.frame.edits ?? []).filter((one) => one.joint !== edit.joint || one.frame !== edit.frame);
+    this.#apply({ edits: [...others, edit] });
+  }
+
+  /** Changes what no motion is sampled for: it is shown at once, with the whole where nothing else waits to be made. */
+  #apply(what: Partial<BoardFrame>): void {
+    const others = this.file.value.frames.every((frame, i) => i === this.chosen.value || this.told(frame)?.still);
+    this.change(what);
+    void this.make(!others);
+  }
+
+  /** As {@link moveJoint}, of the whole frame: nothing is moved any more, or its ends stay. */
+  moved(what: { edits: readonly Edit[] } | { lock_ends: boolean }): void {
+    this.#apply(what);
   }
 
   async cancel(): Promise<void> {
@@ -169,11 +203,23 @@ export class Storyboard {
     if (job.state === 'failed') this.problem.value = job.error;
     if (job.state !== 'done') return;
     const { made } = await get<BoardState>('storyboard');
-    if (made?.job === job.id) this.#take(this.#asked, made.frames);
+    if (made?.job !== job.id) return;
+    for (const frame of made.frames) this.#tell(this.#asked[frame.number - 1], frame);
+    this.made.value = made;
   }
 
-  #take(frames: readonly BoardFrame[], made: readonly MadeFrame[]): void {
-    this.read.value = new Map(frames.flatMap((frame, i) => (made[i] ? [[frame, made[i]] as const] : [])));
+  #tell(frame: BoardFrame | undefined, made: MadeFrame, still = true): void {
+    if (frame) this.#told.set(frame, { made, still });
+  }
+
+  /** Frames in another order, each with the motions that it had. */
+  #arrange(frames: readonly BoardFrame[], chosen: number): void {
+    const fresh = numbered(this.file.value.frames, frames);
+    fresh.forEach((frame, i) => {
+      const told = frames[i] && this.#told.get(frames[i]);
+      if (told) this.#told.set(frame, told);
+    });
+    this.edit(fresh, chosen);
   }
 
   #show(file: BoardFile, chosen: number): void {
@@ -193,20 +239,6 @@ export class Storyboard {
       this.problem.value = said(error);
     }
   }
-}
-
-/** The lines of a frame, with what they are. */
-export function linesOf(frame: BoardFrame): { ink: Ink; at: number; line: Line }[] {
-  const all = (ink: Ink, lines: readonly Line[] | undefined) => (lines ?? []).map((line, at) => ({ ink, at, line }));
-  return [...all('scene', frame.scene), ...all('body', frame.body), ...all('speed', frame.speed_lines), ...all('trajectory', frame.trajectories?.map(({ points }) => points))];
-}
-
-/** The frame without one of its lines. */
-export function without(frame: BoardFrame, ink: Ink, at: number): Partial<BoardFrame> {
-  const rest = <T>(list: readonly T[] | undefined) => (list ?? []).filter((_, i) => i !== at);
-  if (ink === 'trajectory') return { trajectories: rest(frame.trajectories) };
-  if (ink === 'speed') return { speed_lines: rest(frame.speed_lines) };
-  return { [ink]: rest(frame[ink]) };
 }
 
 function said(error: unknown): string {

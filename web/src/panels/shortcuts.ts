@@ -17,7 +17,7 @@ const KEYS: readonly (readonly [string, string])[] = [
   ['Ctrl Z', 'Undo'],
   ['Shift F', 'Put the camera back'],
   ['Ctrl Shift Z', 'Redo'],
-  ['C G O T B', 'What the view shows'],
+  ['C G O T P B', 'What the view shows'],
   ['Ctrl E', 'Export'],
   ['1 … 6', 'What steers'],
   ['Ctrl O', 'Open a file'],
@@ -28,9 +28,25 @@ const KEYS: readonly (readonly [string, string])[] = [
   ['Esc', 'Let go'],
 ];
 
+/** Where the storyboard is drawn. */
+const BOARD_KEYS: readonly (readonly [string, string])[] = [
+  ['D R Q S', 'Pens: figure, way, speed, scene'],
+  ['V E', 'Move joints, erase'],
+  ['[ ]', 'The frame before, after'],
+  ['{ }', 'Move the frame back, on'],
+  ['N', 'Add a frame'],
+  ['Shift N', 'Copy the frame'],
+  ['Delete', 'Delete the frame'],
+  ['M', 'Generate the frame'],
+  ['Ctrl Enter', 'Generate all'],
+  ['Esc', 'Stop'],
+  ['J', 'Next joint (V, on the sheet)'],
+  ['← ↑ ↓ →', 'Move it; Delete frees it'],
+];
+
 export function showShortcuts(): void {
-  const rows = KEYS.map(([keys, what]) => h('div', { class: 'row' }, h('span', { class: 'text' }, what), ...keys.split(' ').map((key) => h('kbd', {}, key))));
-  openDialog('Keyboard shortcuts', h('div', { class: 'keys-table' }, ...rows)).classList.add('broad');
+  const table = (all: typeof KEYS) => h('div', { class: 'keys-table' }, ...all.map(([keys, what]) => h('div', { class: 'row' }, h('span', { class: 'text' }, what), ...keys.split(' ').map((key) => h('kbd', {}, key)))));
+  openDialog('Keyboard shortcuts', h('div', {}, table(KEYS), h('h3', { class: 'keys-head' }, 'On a storyboard'), table(BOARD_KEYS))).classList.add('broad');
 }
 
 export interface ShortcutActs {

@@ -3,7 +3,10 @@ import type { IconName } from '../base/icons';
 import { theme } from '../base/theme';
 import { StoryboardCanvas, type BoardTool } from '../canvas/storyboard';
 import { drawFrame, viewOf } from '../canvas/storyboardview';
-import type { Exactness, Storyboard } from '../document/storyboard';
+import type { Storyboard } from '../document/storyboard';
+import type { Exactness } from '../document/storyboardfile';
+import { boardCamera } from './boardcamera';
+import { boardTakes } from './boardtakes';
 import { button, pressed, Segments, Switch, tool } from './controls';
 import type { ShortcutActs } from './shortcuts';
 
@@ -12,7 +15,8 @@ const TOOLS: readonly { tool: BoardTool; icon: IconName; label: string; key: str
   { tool: 'trajectory', icon: 'trails', label: 'Draw the way of a joint', key: 'R' },
   { tool: 'speed', icon: 'speed', label: 'Draw speed lines beside a way', key: 'Q' },
   { tool: 'scene', icon: 'ground', label: 'Draw what stands around', key: 'S' },
-  { tool: 'eraser', icon: 'eraser', label: 'Erase lines', key: 'E' },
+  { tool: 'joints', icon: 'select', label: 'Put joints where they belong', key: 'V' },
+  { tool: 'eraser', icon: 'eraser', label: 'Erase lines and pins', key: 'E' },
 ];
 
 /** Drawn frames that become one animation: the strip of frames, the sheet, the word, and what makes it. */
@@ -29,10 +33,10 @@ export class StoryboardPanel {
     readonly story: Storyboard,
     say: (text: string) => void,
   ) {
-    this.#canvas = new StoryboardCanvas(story);
+    this.#canvas = new StoryboardCanvas(story, say);
     this.#thumbs = painter(() => this.#paint(), this.#strip);
     onResize(this.#strip, this.#thumbs);
-    this.element = h('div', { class: 'board editor storyboard' }, this.#top(), h('div', { class: 'sheet-box' }, this.#tools(), this.#canvas.element), this.#said, this.#foot());
+    this.element = h('div', { class: 'board editor storyboard' }, this.#top(), h('div', { class: 'sheet-box' }, this.#tools(), this.#canvas.element, boardTakes(story)), this.#said, this.#foot());
     const make = () => void story.make();
     this.keys = {
       ...Object.fromEntries(TOOLS.map(({ tool: name, key }) => [key, () => (this.#canvas.tool.value = name)])),
@@ -48,12 +52,13 @@ export class StoryboardPanel {
       'Ctrl+Shift+Z': () => story.redo(),
       'Ctrl+Y': () => story.redo(),
       'Ctrl+Enter': make,
+      M: () => void story.make(true),
       Escape: () => void story.cancel(),
     };
     story.file.subscribe(() => this.#build());
     story.chosen.subscribe(() => this.#build());
     theme.subscribe(() => this.#thumbs());
-    for (const signal of [story.job, story.problem, story.read, story.chosen, story.file]) signal.subscribe(() => this.#tell());
+    for (const signal of [story.job, story.problem, story.made, story.chosen, story.file]) signal.subscribe(() => this.#tell());
     story.job.subscribe((job) => {
       if (job?.state === 'done') say('The animation is shown, and is a clip under Files');
       else if (job?.state === 'cancelled') say('Stopped');
@@ -106,18 +111,46 @@ export class StoryboardPanel {
     timed.value = true;
     const joints = new Switch('Joints', (on) => (this.#canvas.shows.value = on), 'Show the joints that were read over the ink');
     joints.value = true;
+    const one = button('Generate frame', () => void story.make(true));
+    one.title = 'Only the frame that is shown (M)';
+    one.setAttribute('aria-keyshortcuts', 'M');
     const make = button('Generate all', () => void story.make(), 'primary');
     make.setAttribute('aria-keyshortcuts', 'Control+Enter');
-    make.disabled = !story.available;
+    make.disabled = one.disabled = !story.available;
     const stop = button('Cancel', () => void story.cancel());
     const bar = h('progress', { max: 1, value: 0, 'aria-label': 'Progress' });
     story.job.watch((job) => {
       const running = job?.state === 'running';
-      make.hidden = running;
+      make.hidden = one.hidden = running;
       stop.hidden = bar.hidden = !running;
       bar.value = job && job.total > 0 ? Math.max(job.done / job.total, 0.03) : 0.03;
     });
-    return h('div', { class: 'board-foot' }, this.#word, words, exact.element, timed.element, joints.element, h('span', { class: 'spring' }), bar, stop, make);
+    return h(
+      'div',
+      { class: 'board-foot' },
+      h('div', { class: 'board-row' }, this.#word, words, boardCamera(story), h('span', { class: 'spring' }), joints.element),
+      this.#edits(),
+      h('div', { class: 'board-row' }, exact.element, timed.element, h('span', { class: 'spring' }), bar, stop, one, make),
+    );
+  }
+
+  /** What was moved in space. */
+  #edits(): HTMLElement {
+    const { story } = this;
+    const text = h('span', { class: 'soft' });
+    const lock = new Switch('Lock ends', (on) => story.moved({ lock_ends: on }), 'The clip begins and ends as it did, so that no other clip moves');
+    const none = button('Undo all moves', () => story.moved({ edits: [] }));
+    const row = h('div', { class: 'board-row' }, text, lock.element, h('span', { class: 'spring' }), none);
+    const show = () => {
+      const { edits = [], lock_ends = false } = story.frame;
+      row.hidden = edits.length === 0;
+      text.textContent = `${edits.length} ${edits.length === 1 ? 'joint' : 'joints'} moved in 3D`;
+      lock.value = lock_ends;
+      none.disabled = story.running;
+    };
+    for (const signal of [story.file, story.chosen, story.job]) signal.subscribe(show);
+    show();
+    return row;
   }
 
   #build(): void {
@@ -153,16 +186,17 @@ export class StoryboardPanel {
   #tell(): void {
     const { story } = this;
     const job = story.job.value;
-    const made = story.read.value.get(story.frame);
+    const told = story.told();
     let text = '';
     if (story.problem.value) text = story.problem.value;
     else if (!story.available) text = 'This inkrig makes no animations of storyboards; drawings are kept.';
     else if (job?.state === 'running') text = job.level > 0 ? `Making frame ${job.level} of ${job.levels}` : job.done > 0 ? 'Joining the frames' : 'Reading the drawings';
     else if (job?.state === 'cancelled') text = 'Stopped. The animation before it is still there.';
-    else if (made) {
+    else if (told) {
+      const { made, still } = told;
       const centimetres = (metres: number) => `${(100 * metres).toFixed(1)} cm`;
       const ways = made.ways.length > 0 ? `Way of ${made.ways.map(({ joint }) => joint.replace('_', ' ')).join(', ')}. ` : '';
-      text = `${ways}${centimetres(made.meanMiss)} off the drawing, ${centimetres(made.worstMiss)} at most. ${made.notes.join(' ')}`;
+      text = `${still ? '' : 'Changed since it was made. '}${ways}${centimetres(made.meanMiss)} off the drawing, ${centimetres(made.worstMiss)} at most. ${made.notes.join(' ')}`;
     }
     this.#said.classList.toggle('bad', story.problem.value !== null);
     if (this.#said.textContent !== text) this.#said.textContent = text;

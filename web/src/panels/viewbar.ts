@@ -7,6 +7,7 @@ const SWITCHES: readonly { name: keyof View; icon: IconName; label: string; key:
   { name: 'ground', icon: 'ground', label: 'Ground', key: 'G' },
   { name: 'ghosts', icon: 'ghosts', label: 'Ghosts before and after', key: 'O' },
   { name: 'trails', icon: 'trails', label: 'Trails of hands and feet', key: 'T' },
+  { name: 'drawn', icon: 'poses', label: 'Drawn poses and ways', key: 'P' },
   { name: 'compare', icon: 'compare', label: 'The clip beside it', key: 'B' },
 ];
 
@@ -19,7 +20,10 @@ export function viewbar(place: HTMLElement, stage: Stage, extra: readonly HTMLEl
   });
   place.append(...buttons, ...extra, tool('frame', 'Put the camera back', () => stage.frame(), 'Shift+F'));
   const tell = () => {
-    for (const button of buttons) pressed(button, stage.view[button.dataset['view'] as keyof View]);
+    for (const button of buttons) {
+      pressed(button, stage.view[button.dataset['view'] as keyof View]);
+      if (button.dataset['view'] === 'drawn') button.hidden = stage.board.frames.length === 0;
+    }
   };
   tell();
   place.addEventListener('viewchange', tell);
@@ -28,5 +32,10 @@ export function viewbar(place: HTMLElement, stage: Stage, extra: readonly HTMLEl
 export function toggleView(stage: Stage, name: keyof View): void {
   stage.view = { ...stage.view, [name]: !stage.view[name] };
   if (name === 'compare') stage.frame();
+  tellView();
+}
+
+/** What there is to be seen has changed. */
+export function tellView(): void {
   document.getElementById('view')?.dispatchEvent(new Event('viewchange'));
 }

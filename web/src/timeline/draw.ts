@@ -37,13 +37,13 @@ export function drawRuler({ context, scale, lanes, theme }: TimelineView): void 
   }
 }
 
-export function drawNames({ context, lanes, theme }: TimelineView, banded: boolean, control: Control | null, source: SourceClips): void {
+export function drawNames({ context, lanes, theme }: TimelineView, lane: Control['kind'] | 'storyboard' | null, source: SourceClips): void {
   context.font = FONT;
   context.textAlign = 'right';
   context.textBaseline = 'middle';
   context.fillStyle = css(theme.soft);
   const right = GUTTER - 16;
-  if (banded && control) context.fillText(CONTROL_NAMES[control.kind] ?? '', right, lanes.control.top + lanes.control.height / 2);
+  if (lane) context.fillText(CONTROL_NAMES[lane], right, lanes.control.top + lanes.control.height / 2);
   context.fillText('Keys', right, lanes.keys.top + lanes.keys.height / 2);
   const { top, height } = lanes.plan;
   for (let i = 0; i < height; i += 1) {
@@ -58,16 +58,17 @@ export function drawNames({ context, lanes, theme }: TimelineView, banded: boole
   context.fillText('0 s', right, top + height - 6);
 }
 
-const CONTROL_NAMES: Readonly<Record<Control['kind'], string>> = {
+const CONTROL_NAMES: Readonly<Record<Control['kind'] | 'storyboard', string>> = {
   curve: 'Drawing',
   wave: 'Wave',
   drawnWave: 'Wave',
   labels: 'Labels',
   sound: 'Sound',
   motion: 'Motion',
+  storyboard: 'Frames',
 };
 
-export function drawPlan({ context, scale, lanes, theme }: TimelineView, heat: HTMLCanvasElement | null, source: SourceClips, keys: readonly Key[], stale: boolean): void {
+export function drawPlan({ context, scale, lanes, theme }: TimelineView, heat: HTMLCanvasElement | null, source: SourceClips, keys: readonly Key[], stale: boolean, empty = 'Draw, and the plan shows which part of the clip is used when'): void {
   const { top, height } = lanes.plan;
   context.fillStyle = css(theme.ink, theme.dark ? 0.04 : 0.045);
   context.fillRect(GUTTER, top, scale.inner, height);
@@ -81,7 +82,7 @@ export function drawPlan({ context, scale, lanes, theme }: TimelineView, heat: H
     context.fillStyle = css(theme.soft);
     context.textAlign = 'center';
     context.textBaseline = 'middle';
-    context.fillText('Draw, and the plan shows which part of the clip is used when', GUTTER + scale.inner / 2, top + height / 2);
+    context.fillText(empty, GUTTER + scale.inner / 2, top + height / 2);
   }
   context.font = FONT;
   context.textAlign = 'left';

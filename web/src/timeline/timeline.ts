@@ -7,6 +7,7 @@ import type { Session } from '../document/session';
 import type { Ui } from '../document/ui';
 import { drawBad, drawControl, drawKeys, drawLink, drawNames, drawPlan, drawPlayhead, drawRuler, drawUsed } from './draw';
 import { heatImage } from './heat';
+import { drawStory, type Story } from './story';
 import { lanes, Scale, within, type Lanes } from './scale';
 
 type Drag = { kind: 'scrub' } | { kind: 'key'; key: Key; gesture: string } | { kind: 'link'; seconds: number; frame: number };
@@ -22,6 +23,9 @@ export class Timeline {
   #heat: HTMLCanvasElement | null = null;
   #drag: Drag | null = null;
   #wave: readonly number[] = [];
+  #story: Story | null = null;
+  /** A frame of the storyboard was pressed. */
+  onpart: (index: number) => void = () => undefined;
 
   constructor(
     readonly session: Session,
@@ -54,6 +58,12 @@ export class Timeline {
   set wave(values: readonly number[]) {
     this.#wave = values;
     this.#drawStill();
+  }
+
+  /** The storyboard whose animation is shown. */
+  set story(story: Story | null) {
+    this.#story = story;
+    this.redraw();
   }
 
   redraw(): void {
@@ -111,6 +121,9 @@ export class Timeline {
     this.#drag = { kind: 'scrub' };
     this.ui.pointed.value = null;
     this.session.player.seek(this.scale.time(x));
+    const time = this.scale.time(x);
+    const part = within(this.#lanes.control, y) ? this.#story?.parts.findIndex(({ from, to }) => time >= from && time < to) : undefined;
+    if (part !== undefined && part >= 0) this.onpart(part);
   }
 
   #move([x, y]: Vec2): void {
@@ -190,15 +203,17 @@ export class Timeline {
     this.scale.width = width;
     this.scale.seconds = player.duration.value;
     const banded = document.control !== null && document.control.kind !== 'curve' && document.control.kind !== 'motion';
-    this.#lanes = lanes(height, banded);
+    const story = document.control === null ? this.#story : null;
+    this.#lanes = lanes(height, banded || story !== null);
     const view = { context, scale: this.scale, lanes: this.#lanes, theme: theme.value };
     drawRuler(view);
-    drawPlan(view, this.#heat, source.value, document.keys, this.session.stale.value);
+    drawPlan(view, this.#heat, source.value, document.keys, this.session.stale.value, story ? 'A clip of the storyboard: draw a line (1) to arrange it' : undefined);
     drawUsed(view, this.session.plan.value ? this.session.used.value : null, source.value.frames);
     if (banded) drawControl(view, document.control, this.#wave);
+    if (story) drawStory(view, story);
     drawKeys(view, document.keys, this.ui.selected.value, result.value);
     drawBad(view, result.value);
-    drawNames(view, banded, document.control, source.value);
+    drawNames(view, document.control && banded ? document.control.kind : story ? 'storyboard' : null, source.value);
   }
 
   #renderTop(): void {

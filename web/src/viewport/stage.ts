@@ -1,9 +1,12 @@
 import { DirectionalLight, Fog, HemisphereLight, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
 
+import type { MadeFrame } from '../api/types';
 import { blend } from '../base/colour';
 import { drawByProcessor, onResize, painter } from '../base/dom';
+import type { Vec3 } from '../base/maths';
 import { theme, type Theme } from '../base/theme';
 import { FINE, PLAIN } from './capsule';
+import { Drawn } from './drawn';
 import { colour, Figure, type Tint } from './figure';
 import { Ground } from './ground';
 import { duration, facing, outline, poseAt, type Motion } from './motion';
@@ -17,6 +20,7 @@ export interface View {
   readonly ghosts: boolean;
   readonly trails: boolean;
   readonly compare: boolean;
+  readonly drawn: boolean;
 }
 
 const GHOSTS = [-0.5, -0.25, 0.25, 0.5];
@@ -34,6 +38,7 @@ export class Stage {
   readonly #sky = new HemisphereLight(0xffffff, 0x8890a0, 1.9);
   readonly #sun = new DirectionalLight(0xffffff, 2.1);
   readonly #trails = new Trails();
+  readonly #drawn = new Drawn();
   #ground: Ground | null = null;
   #motion: Motion | null = null;
   #source: Motion | null = null;
@@ -41,7 +46,8 @@ export class Stage {
   #compare: Figure | null = null;
   #red: Figure | null = null;
   #ghosts: Figure[] = [];
-  #view: View = { follow: true, ground: true, ghosts: false, trails: false, compare: false };
+  #view: View = { follow: true, ground: true, ghosts: false, trails: false, compare: false, drawn: true };
+  #board: { frames: readonly MadeFrame[]; chosen: MadeFrame | null } = { frames: [], chosen: null };
   #seconds = 0;
   #sourceSeconds = 0;
   #keyPose: Float32Array | null = null;
@@ -67,7 +73,7 @@ export class Stage {
     this.draw = painter(() => this.#render());
     this.orbit = new Orbit(this.#camera, canvas, this.draw);
     this.#sun.position.set(0.42, 1, 0.28);
-    this.#scene.add(this.#sky, this.#sun, this.#trails.object);
+    this.#scene.add(this.#sky, this.#sun, this.#trails.object, this.#drawn.object);
     onResize(canvas, () => this.#resize());
     theme.subscribe(() => this.#restyle());
     this.#restyle();
@@ -91,6 +97,7 @@ export class Stage {
       this.frame();
     }
     this.#retrail();
+    this.#redrawn();
     this.draw();
   }
 
@@ -105,6 +112,7 @@ export class Stage {
     this.#view = view;
     this.#build();
     this.#retrail();
+    this.#redrawn();
     this.draw();
   }
 
@@ -131,6 +139,17 @@ export class Stage {
     this.draw();
   }
 
+  /** What was drawn of the motion that is shown; nothing where it is of no storyboard. */
+  set board(board: { frames: readonly MadeFrame[]; chosen: MadeFrame | null }) {
+    this.#board = board;
+    this.#redrawn();
+    this.draw();
+  }
+
+  get board(): { frames: readonly MadeFrame[]; chosen: MadeFrame | null } {
+    return this.#board;
+  }
+
   /** What shows the character instead of capsules. */
   set skin(skin: { update(seconds: number): void } | null) {
     this.#skin = skin;
@@ -139,6 +158,24 @@ export class Stage {
 
   get skin(): { update(seconds: number): void } | null {
     return this.#skin;
+  }
+
+  /** The joints as they are seen now. */
+  pose(): Float32Array {
+    const motion = this.#motion;
+    return motion ? poseAt(motion, this.#seconds, new Float32Array(3 * motion.body.names.length)) : new Float32Array(0);
+  }
+
+  /** Where a place is on the canvas, CSS pixels, and how deep. */
+  screen([x, y, z]: Vec3): Vec3 {
+    right.set(x, y, z).project(this.#camera);
+    return [((right.x + 1) / 2) * this.canvas.clientWidth, ((1 - right.y) / 2) * this.canvas.clientHeight, right.z];
+  }
+
+  /** The place that is there on the canvas, so deep. */
+  world(x: number, y: number, depth: number): Vec3 {
+    right.set((2 * x) / this.canvas.clientWidth - 1, 1 - (2 * y) / this.canvas.clientHeight, depth).unproject(this.#camera);
+    return [right.x, right.y, right.z];
   }
 
   /** Puts the camera back: the character whole, seen from the front. */
@@ -187,6 +224,10 @@ export class Stage {
     this.#trails.show(shown, shown ? endJoints(shown) : [], theme.value.trail);
   }
 
+  #redrawn(): void {
+    this.#drawn.show(this.#view.drawn ? this.#motion : null, this.#board.frames, this.#board.chosen, theme.value, PLAIN);
+  }
+
   #restyle(): void {
     const now = theme.value;
     this.#scene.background = colour(now.stage);
@@ -195,6 +236,7 @@ export class Stage {
     this.#sky.intensity = now.dark ? 1.7 : 2.1;
     this.#build();
     this.#retrail();
+    this.#redrawn();
     this.draw();
   }
 
@@ -205,6 +247,7 @@ export class Stage {
     this.#camera.aspect = width / height;
     this.#camera.updateProjectionMatrix();
     this.#trails.resize(width, height);
+    this.#drawn.resize(width, height);
     this.#render();
   }
 

@@ -1,0 +1,91 @@
+/** x to the right, y up, then seconds and pressure where there are some. */
+export type Row = readonly number[];
+export type Line = readonly Row[];
+export type Ink = 'body' | 'trajectory' | 'speed' | 'scene';
+export type Exactness = 'off' | 'soft' | 'pin';
+
+/** A frame of the storyboard's file; whatever else a file says of a frame stays as it is. */
+export interface BoardFrame {
+  readonly word?: string;
+  readonly body?: readonly Line[];
+  readonly trajectories?: readonly Way[];
+  readonly speed_lines?: readonly Line[];
+  readonly scene?: readonly Line[];
+  readonly pins?: readonly Pin[];
+  readonly edits?: readonly Edit[];
+  readonly lock_ends?: boolean;
+  readonly camera?: BoardCamera;
+  readonly seconds?: number | undefined;
+  /** Which of the ranked motions is taken, from 0. */
+  readonly take?: number;
+  /** What motions are sampled with; without it the frame's place, from 1. */
+  readonly number?: number | undefined;
+}
+
+export interface Way {
+  readonly points: Line;
+  readonly joint?: string;
+  readonly figure?: 'start' | 'end';
+}
+
+/** Where a joint of the figure is, said by hand. */
+export interface Pin {
+  readonly joint: string;
+  readonly at: readonly [number, number];
+}
+
+/** Where a joint of the motion is at one of its frames, metres in the clip's own space. */
+export interface Edit {
+  readonly joint: string;
+  readonly frame: number;
+  readonly at: readonly [number, number, number];
+}
+
+export interface BoardCamera {
+  readonly pitch_degrees?: number;
+  readonly yaw_degrees?: number;
+}
+
+export interface BoardFile {
+  readonly inkrig_storyboard: 1;
+  readonly title?: string;
+  readonly frames: readonly BoardFrame[];
+}
+
+/** The three-quarter view of frames that do not say one. */
+export const CAMERA = { pitch_degrees: 20, yaw_degrees: 30 } as const;
+
+/** The lines of a frame, with what they are. */
+export function linesOf(frame: BoardFrame): { ink: Ink; at: number; line: Line }[] {
+  const all = (ink: Ink, lines: readonly Line[] | undefined) => (lines ?? []).map((line, at) => ({ ink, at, line }));
+  return [...all('scene', frame.scene), ...all('body', frame.body), ...all('speed', frame.speed_lines), ...all('trajectory', frame.trajectories?.map(({ points }) => points))];
+}
+
+/** The frame without one of its lines. */
+export function without(frame: BoardFrame, ink: Ink, at: number): Partial<BoardFrame> {
+  const rest = <T>(list: readonly T[] | undefined) => (list ?? []).filter((_, i) => i !== at);
+  if (ink === 'trajectory') return { trajectories: rest(frame.trajectories) };
+  if (ink === 'speed') return { speed_lines: rest(frame.speed_lines) };
+  return { [ink]: rest(frame[ink]) };
+}
+
+/**
+ * Frames in another order. Motions are sampled with a frame's place as the seed unless it says a number, so one that is
+ * moved says where it was, and a new one takes a number that no other has.
+ */
+export function numbered(before: readonly BoardFrame[], after: readonly BoardFrame[]): BoardFrame[] {
+  const old = after.map((frame) => {
+    const place = before.indexOf(frame);
+    return frame.number ?? (place < 0 ? undefined : place + 1);
+  });
+  const taken = new Set(old);
+  return after.map((frame, i) => {
+    let number = old[i];
+    if (number === undefined) {
+      number = i + 1;
+      while (taken.has(number)) number += 1;
+      taken.add(number);
+    }
+    return number === (frame.number ?? i + 1) ? frame : { ...frame, number };
+  });
+}
