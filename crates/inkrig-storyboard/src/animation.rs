@@ -3,7 +3,8 @@
 use crate::edited::{bend, edited, placed_edits, settled};
 use crate::error::StoryboardError;
 use crate::exact::{
-    Asked, Constraint, Goal, MeetOptions, Met, Rule, Source, joints_of, meet_all, misses, proportion,
+    Asked, Constraint, Goal, MeetOptions, Met, Proportioned, Rule, Source, joints_of, meet_all, misses,
+    proportion,
 };
 use crate::generate::Generated;
 use crate::sequence::{Blender, Joined, sequence_of};
@@ -46,8 +47,8 @@ pub struct Animation {
     pub standing: Vec<[bool; 2]>,
     /// How goals were met after sampling.
     pub met: Option<Met>,
-    /// How far joints of each drawn pose were moved at most to be those of a person, metres.
-    pub proportioned: Vec<f32>,
+    /// How far what is drawn in each frame was moved to be what a body can do.
+    pub proportioned: Vec<Proportioned>,
 }
 
 /// How far a constraint is kept.

@@ -11,15 +11,17 @@ mod body;
 mod constraints;
 mod costs;
 mod mass;
+mod proportion;
 mod stands;
 
 pub use asked::{Asked, Goal, Source};
 pub use constraints::{Constraint, Cuboid, Rule};
+pub use proportion::{Proportioned, proportion};
 
 use band::Band;
 use body::{Body, FREEDOMS, Stance, places, single};
 use costs::{Costs, Listener, REACH, Sum};
-use inkrig_motion::glam::{Vec2, Vec3};
+use inkrig_motion::glam::Vec3;
 use inkrig_motion::humanml::{JOINTS, Joints};
 use inkrig_motion::{Clip, kinematics};
 
@@ -69,8 +71,6 @@ const ALONE: f64 = 100.0;
 const STEPS: usize = 16;
 /// A round is done when a step makes less of the costs, as a share.
 const LITTLE: f64 = 3e-4;
-/// Limbs of drawn poses are a little bent: a place that can just be reached is met slowly, and held by a knee that snaps.
-const BENT: f64 = 0.985;
 /// Damping of the first step, how it changes with success, and when there is no hope left.
 const DAMPING: f64 = 1e-4;
 const CALMER: f64 = 10.0;
@@ -172,39 +172,6 @@ impl Listener for Band {
     fn row(&mut self, weight: f64, residual: f64, by: &[(usize, f64)]) {
         self.add(weight, residual, by);
     }
-}
-
-/// Moves goals of drawn poses to where a body with the bones of a clip can have them, as little as can be; others stay. Says how far
-/// the farthest went, metres. A drawing has the proportions of nobody.
-pub fn proportion(clip: &Clip, goals: &mut [Goal]) -> f32 {
-    if clip.skeleton().len() != JOINTS {
-        return 0.0;
-    }
-    let body = Body::of(clip).with_limbs(BENT);
-    let stances = body.stances(clip);
-    let mut farthest = 0.0_f32;
-    for (frame, stance) in stances.iter().enumerate() {
-        let at_frame = |goal: &&Goal| goal.frame == frame && goal.joint < JOINTS;
-        let own: Vec<Goal> = goals.iter().filter(at_frame).map(|goal| Goal { frame: 0, ..*goal }).collect();
-        if !own.iter().any(|goal| goal.source == Source::Pose) {
-            continue;
-        }
-        let asked = Asked { goals: &own, ..Asked::default() };
-        let mut costs = Costs::new(&body, std::slice::from_ref(stance), &asked, &[]);
-        let mut fitted = vec![stance.clone()];
-        let mut band = Band::new(FREEDOMS, FREEDOMS - 1);
-        for weight in ROUNDS {
-            (costs.goal, costs.edit) = (weight, ALONE * weight);
-            settle(&costs, &mut fitted, &mut band, 2 * STEPS);
-        }
-        let Some(pose) = fitted.first().map(|stance| single(&places(&body.bones(stance)))) else { continue };
-        for goal in goals.iter_mut().filter(|goal| goal.frame == frame && goal.source == Source::Pose) {
-            let miss = pose.get(goal.joint).map_or(Vec2::ZERO, |place| goal.miss(*place).truncate());
-            goal.at += miss;
-            farthest = farthest.max(miss.length());
-        }
-    }
-    farthest
 }
 
 /// All joints of all frames.

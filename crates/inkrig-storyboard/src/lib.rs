@@ -26,8 +26,8 @@ pub use animation::{Animation, Exact, Kept, animation};
 pub use attach::Way;
 pub use error::StoryboardError;
 pub use exact::{
-    Asked, Constraint, Cuboid, Goal, MeetOptions, Met, Rule, Source, centre_of_mass, meet, meet_all, misses,
-    proportion,
+    Asked, Constraint, Cuboid, Goal, MeetOptions, Met, Proportioned, Rule, Source, centre_of_mass, meet,
+    meet_all, misses, proportion,
 };
 pub use figure::{Figure, Found, read_figure};
 pub use generate::{Generated, Maker, MakerOptions};

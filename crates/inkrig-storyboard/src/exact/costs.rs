@@ -2,7 +2,7 @@
 
 use super::body::{Body, FREEDOMS, Moves, Places, Stance, chain, places};
 use super::stands::{Stand, stands};
-use super::{Asked, Source};
+use super::{Asked, Goal, Source};
 use inkrig_motion::glam::DVec3;
 use inkrig_motion::humanml::{JOINTS, PARENTS};
 
@@ -24,6 +24,9 @@ pub(super) const ABOVE: [(usize, f64); 9] =
     [(4, 0.03), (5, 0.03), (7, 0.04), (8, 0.04), (10, 0.0), (11, 0.0), (15, 0.05), (20, 0.0), (21, 0.0)];
 /// A foot that swings stays at least so high over the floor, or as high as it was, metres: else it slides.
 const CLEAR: f64 = 0.06;
+/// A foot on a drawn way that goes farther than this from frame to frame is lifted so high, if that costs little, metres.
+const QUICK: f32 = 0.01;
+const LIFT: f64 = 300.0;
 /// Ankle and toe of each foot.
 pub(super) const FEET: [[usize; 2]; 2] = [[7, 10], [8, 11]];
 /// Neighbouring unknowns reach over this many frames.
@@ -55,11 +58,15 @@ pub(super) struct Costs<'a> {
     stands: Vec<Stand>,
     /// Whether each foot swings.
     swings: Vec<[bool; 2]>,
+    /// Whether each foot goes along a drawn way.
+    lifts: Vec<[bool; 2]>,
     weights: [f64; JOINTS],
     /// How much more each frame stays as it is.
     stays: Vec<f64>,
     /// Of goals and constraints.
     pub(super) goal: f64,
+    /// What joints of drawn poses weigh against other goals.
+    pub(super) pose: f64,
     /// Of places in space.
     pub(super) edit: f64,
 }
@@ -81,7 +88,9 @@ impl<'a> Costs<'a> {
         asked.stiffen(&mut weights);
         let swings = standing.iter().map(|stands| stands.map(|stands| !stands)).collect();
         let stays = asked.stays(stances.len());
-        Self { body, bones, places, asked, standing, stands, swings, weights, stays, goal: 1.0, edit: 1.0 }
+        let lifts = lifts(asked, places.len());
+        let (goal, pose, edit) = (1.0, POSE, 1.0);
+        Self { body, bones, places, asked, standing, stands, swings, lifts, weights, stays, goal, pose, edit }
     }
 
     /// Tells of all costs of a motion.
@@ -109,22 +118,25 @@ impl<'a> Costs<'a> {
                 if self.asked.holds(frame, joint) {
                     continue;
                 }
+                let of = |feet: &[[bool; 2]]| {
+                    feet.get(frame)
+                        .is_some_and(|feet| (0..2).any(|side| feet[side] && FEET[side][1] == joint))
+                };
+                let floor = if of(&self.swings) { CLEAR } else { floor };
                 // What was below the floor before is not this step's to lift.
-                let swings = self
-                    .swings
-                    .get(frame)
-                    .is_some_and(|feet| (0..2).any(|side| feet[side] && FEET[side][1] == joint));
-                let floor = if swings { CLEAR } else { floor };
-                let low = own[joint].y - floor.min(before[joint].y);
-                if low < 0.0 {
-                    rows.joints(FLOOR, low, &[(frame, joint, DVec3::Y)]);
+                let floors = [(FLOOR, floor.min(before[joint].y)), (LIFT, CLEAR)];
+                for (weight, floor) in floors.into_iter().take(1 + usize::from(of(&self.lifts))) {
+                    let low = own[joint].y - floor;
+                    if low < 0.0 {
+                        rows.joints(weight, low, &[(frame, joint, DVec3::Y)]);
+                    }
                 }
             }
         }
         for goal in self.asked.goals {
             let place = now[goal.frame][goal.joint];
             let weight = match goal.source {
-                Source::Pose => POSE * self.goal,
+                Source::Pose => self.pose * self.goal,
                 Source::Edit => self.edit,
                 Source::Way | Source::Pin => self.goal,
             };
@@ -173,6 +185,22 @@ impl<'a> Costs<'a> {
             }
         }
     }
+}
+
+/// Whether each foot goes along a drawn way, for each frame: one that stays low would slide.
+fn lifts(asked: &Asked<'_>, frames: usize) -> Vec<[bool; 2]> {
+    let way = |frame: usize, foot: [usize; 2]| {
+        let own =
+            |goal: &&Goal| goal.frame == frame && goal.source == Source::Way && foot.contains(&goal.joint);
+        asked.goals.iter().find(own)
+    };
+    let goes = |frame: usize, foot: [usize; 2]| match (way(frame, foot), way(frame + 1, foot)) {
+        (Some(here), Some(next)) => here.joint == next.joint && here.at.distance(next.at) > QUICK,
+        _ => false,
+    };
+    let either =
+        |frame: usize, foot| goes(frame, foot) || frame.checked_sub(1).is_some_and(|last| goes(last, foot));
+    (0..frames).map(|frame| FEET.map(|foot| either(frame, foot))).collect()
 }
 
 /// Residuals of places of joints.

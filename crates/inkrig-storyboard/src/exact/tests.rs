@@ -1,6 +1,7 @@
 #![allow(clippy::print_stdout, reason = "a test prints what it measures")]
 
 use super::*;
+use inkrig_motion::glam::Vec2;
 use inkrig_motion::glam::{Quat, Vec3};
 use inkrig_motion::humanml::Camera;
 use inkrig_motion::humanml::{bone_lengths, skeleton, to_clip};
@@ -169,11 +170,53 @@ fn a_drawn_pose_is_given_the_proportions_of_a_body() {
     ];
     let mut goals = drawn.clone();
     let moved = proportion(&clip, &mut goals);
-    assert!((0.08..0.13).contains(&moved), "{moved}");
+    assert!((0.08..0.13).contains(&moved.poses) && moved.ways == 0.0, "{moved:?}");
     assert_eq!(goals[..2], drawn[..2]);
     let met = meet(&clip, &goals, &[], &MeetOptions::default());
     assert!(met.after[1] < 0.008, "{:?}", met.after);
     assert!(meet(&clip, &drawn, &[], &MeetOptions::default()).after[1] > 0.01);
+}
+
+#[test]
+fn ways_that_part_farther_than_a_leg_are_brought_together() {
+    let clip = standing(20);
+    let camera = Camera::default();
+    let pose = joints_of(&clip)[0];
+    let place = (Quat::IDENTITY, Vec3::ZERO);
+    let way = |joint: usize, by: f32| {
+        let at = camera.project(pose[joint]);
+        (0..20).map(move |frame| {
+            let far = by * (1.0 - (frame as f32 - 10.0).abs() / 10.0);
+            Goal::placed(frame, joint, at + Vec2::new(0.0, far), &camera, place, Source::Way)
+        })
+    };
+    // A pelvis that goes up, and a foot that goes down.
+    let drawn: Vec<Goal> = way(0, 0.15).chain(way(10, -0.1)).collect();
+    let mut goals = drawn.clone();
+    let moved = proportion(&clip, &mut goals);
+    assert!((0.05..0.15).contains(&moved.ways) && moved.poses == 0.0, "{moved:?}");
+    assert_eq!((goals[0], goals[19]), (drawn[0], drawn[19]));
+    let stands = [[false; 2]; 20];
+    assert!(meet(&clip, &goals, &stands, &MeetOptions::default()).after[1] < 0.005);
+    assert!(meet(&clip, &drawn, &stands, &MeetOptions::default()).after[1] > 0.02);
+}
+
+#[test]
+fn a_foot_that_is_drawn_along_the_ground_is_lifted() {
+    let clip = standing(30);
+    let camera = Camera::default();
+    let motion = joints_of(&clip);
+    let goals: Vec<Goal> = (0..30)
+        .map(|frame| {
+            let at = camera.project(motion[0][10] + Vec3::Z * 0.03 * frame as f32);
+            Goal::placed(frame, 10, at, &camera, (Quat::IDENTITY, Vec3::ZERO), Source::Way)
+        })
+        .collect();
+    let met = meet(&clip, &goals, &[[true; 2]; 30], &MeetOptions::default());
+    assert!(met.after[1] < 0.003, "{:?}", met.after);
+    let low = met.motion[5..25].iter().map(|pose| pose[10].y).fold(f32::INFINITY, f32::min);
+    assert!(low > 0.045, "{low}");
+    assert!(inkrig_generate::measures::skating(&met.motion).ratio < 0.1);
 }
 
 /// The largest change of some joints in frames that are at least so far from a frame, metres.

@@ -130,14 +130,14 @@ pub(super) fn run(args: &EvaluateStoryboardArgs, console: &Console) -> Result<()
 
 fn table(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| | clips | MPJPE-2D, cm | Avg. Err-2D, cm | off the drawing, cm | at worst, cm | clips within 1 cm | jerk P99, mm | of real | skating |\n\
-         |---|---|---|---|---|---|---|---|---|---|\n",
+        "| | clips | MPJPE-2D, cm | Avg. Err-2D, cm | off the drawing, cm | at worst, cm | clips within 1 cm | poses moved, cm | ways moved | jerk P99, mm | of real | skating |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     let real = rows.first().map_or(0.0, Row::jerk);
     for row in rows {
         let cm = |metres: f64| fixed(100.0 * metres, 2);
         text += &format!(
-            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
+            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
             row.name,
             row.clips(),
             cm(row.pose()),
@@ -145,6 +145,8 @@ fn table(rows: &[Row]) -> String {
             cm(row.off()),
             cm(row.worst()),
             row.within(),
+            cm(row.moved().0),
+            row.moved().1,
             fixed(1000.0 * row.jerk(), 1),
             fixed(row.jerk() / real, 2),
             fixed(row.skating(), 3),

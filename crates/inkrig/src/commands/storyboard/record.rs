@@ -62,6 +62,8 @@ pub(in crate::commands) struct Part {
     pub(in crate::commands) result: [f32; 2],
     /// How far joints of the drawn pose were moved at most to be those of a person, metres.
     proportioned: f32,
+    /// How far drawn ways that part farther than a limb is long were brought together at most, metres.
+    ways_moved: f32,
     /// What was said in space, and where the clip is.
     #[serde(flatten)]
     pub(in crate::commands) space: SpaceRecord,
@@ -213,6 +215,14 @@ pub(in crate::commands) fn parts(
         let space = SpaceRecord::of(at, &made.animation, &motion, &clip.plan.space);
         warnings
             .extend(space.warnings(exact).into_iter().map(|told| format!("frame {}: {told}", asked.number)));
+        let moved = proportioned.get(at).copied().unwrap_or_default();
+        if exact == ExactArg::Pin && moved.ways > 0.01 {
+            warnings.push(format!(
+                "frame {}: nobody can follow all trajectories at once: they part farther than limbs are long, and were brought together by up to {} cm. Look at the sheet, and name their joints if one was taken for another's",
+                asked.number,
+                fixed(100.0 * f64::from(moved.ways), 1)
+            ));
+        }
         if exact == ExactArg::Pin && result[1] > 0.01 {
             warnings.push(format!(
                 "frame {}: the lines are missed by up to {} cm: a person cannot be everywhere that is drawn at once. Look at the sheet for pins and lines that contradict each other",
@@ -231,7 +241,8 @@ pub(in crate::commands) fn parts(
             evaluations: clip.evaluations,
             sampled: [clip.error, clip.worst],
             result,
-            proportioned: proportioned.get(at).copied().unwrap_or(0.0),
+            proportioned: moved.poses,
+            ways_moved: moved.ways,
             space,
         });
     }

@@ -5,7 +5,7 @@ use inkrig_generate::measures::{jerk, pose_error_2d, skating};
 use inkrig_motion::glam::Vec2;
 use inkrig_motion::humanml::{Camera, Joints};
 use inkrig_motion::kinematics;
-use inkrig_storyboard::{Animation, Source, misses};
+use inkrig_storyboard::{Animation, Proportioned, Source, misses};
 use serde::Serialize;
 
 /// A place on the picture that is as exact as lines are met, metres.
@@ -19,6 +19,8 @@ pub(super) struct Measured {
     way: Option<f64>,
     /// Mean and largest distance from what was drawn.
     off: [f32; 2],
+    /// How far drawn poses and ways were moved for a body at most.
+    moved: Proportioned,
     jerk: Vec<f64>,
     skating: f64,
 }
@@ -27,7 +29,8 @@ impl Measured {
     pub(super) fn real(window: &EvaluationWindow) -> Self {
         let motion = &window.joints;
         let skating = skating(motion).ratio;
-        Self { pose: 0.0, way: None, off: [0.0; 2], jerk: jerk(motion), skating }
+        let moved = Proportioned::default();
+        Self { pose: 0.0, way: None, off: [0.0; 2], moved, jerk: jerk(motion), skating }
     }
 
     pub(super) fn of(
@@ -60,7 +63,8 @@ impl Measured {
             .filter_map(|(frame, joint)| Some((motion.get(*frame)?[*joint], real(*frame)?[*joint])));
         let way = apart(&pairs.collect::<Vec<_>>(), &drawing.camera);
         let off = misses(&motion, &goals);
-        Self { pose, way, off, jerk: jerk(&motion), skating: skating(&motion).ratio }
+        let moved = made.proportioned.first().copied().unwrap_or_default();
+        Self { pose, way, off, moved, jerk: jerk(&motion), skating: skating(&motion).ratio }
     }
 }
 
@@ -112,6 +116,13 @@ impl Row {
         self.clips.iter().map(|clip| f64::from(clip.off[1])).fold(0.0, f64::max)
     }
 
+    /// How far drawn poses were moved for a body, the mean of the farthest joints, and in how many clips ways were by more than a
+    /// centimetre.
+    pub(super) fn moved(&self) -> (f64, usize) {
+        let ways = self.clips.iter().filter(|clip| clip.moved.ways > WITHIN).count();
+        (self.mean(|clip| f64::from(clip.moved.poses)), ways)
+    }
+
     /// Clips that are nowhere farther from the drawing than a centimetre.
     pub(super) fn within(&self) -> usize {
         self.clips.iter().filter(|clip| clip.off[1] <= WITHIN).count()
@@ -140,10 +151,15 @@ impl Serialize for Row {
             off_the_drawing_metres: f64,
             worst_metres: f64,
             clips_within_a_centimetre: usize,
+            poses_moved_metres: f64,
+            clips_with_moved_ways: usize,
             jerk_p99: f64,
             skating: f64,
         }
+        let (poses_moved_metres, clips_with_moved_ways) = self.moved();
         Figures {
+            poses_moved_metres,
+            clips_with_moved_ways,
             name: &self.name,
             clips: self.clips(),
             mpjpe_2d_metres: self.pose(),
