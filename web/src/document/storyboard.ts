@@ -108,7 +108,8 @@ export class Storyboard {
   add(copy: boolean): void {
     const { frames } = this.file.value;
     const at = this.chosen.value;
-    const fresh: BoardFrame = copy ? { ...this.frame, number: undefined } : {};
+    // A copy gets motions of its own: nothing was chosen or moved of these.
+    const fresh: BoardFrame = copy ? { ...this.frame, number: undefined, take: undefined, edits: undefined } : {};
     const told = this.told();
     if (copy && told) this.#told.set(fresh, { ...told, still: false });
     this.#arrange([...frames.slice(0, at + 1), fresh, ...frames.slice(at + 1)], at + 1);

@@ -12,12 +12,12 @@ export interface BoardFrame {
   readonly speed_lines?: readonly Line[];
   readonly scene?: readonly Line[];
   readonly pins?: readonly Pin[];
-  readonly edits?: readonly Edit[];
+  readonly edits?: readonly Edit[] | undefined;
   readonly lock_ends?: boolean;
   readonly camera?: BoardCamera;
   readonly seconds?: number | undefined;
   /** Which of the ranked motions is taken, from 0. */
-  readonly take?: number;
+  readonly take?: number | undefined;
   /** What motions are sampled with; without it the frame's place, from 1. */
   readonly number?: number | undefined;
 }

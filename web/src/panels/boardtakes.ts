@@ -43,9 +43,14 @@ export function boardTakes(story: Storyboard): HTMLElement {
 function paint(canvas: HTMLCanvasElement | null | undefined, take: MadeTake): void {
   if (!canvas) return;
   const { context, width, height } = fit(canvas);
-  const ys = take.poses.flat(2).map(([, y]) => y);
-  if (ys.length === 0) return;
-  const [low, high] = [Math.min(...ys), Math.max(...ys)];
+  const spans = take.poses.map((pose) => {
+    const ys = pose.flat().map(([, y]) => y);
+    return { low: Math.min(...ys), high: Math.max(...ys) };
+  });
+  const [low, high] = [Math.min(...spans.map((span) => span.low)), Math.max(...spans.map((span) => span.high))];
+  const tall = Math.max(...spans.map((span) => span.high - span.low));
+  // Whoever comes near on the picture, or goes far, would be small: then each stands for itself.
+  const apart = high - low > 1.5 * tall;
   const column = width / take.poses.length;
   const { ink } = theme.value;
   const shades = [ink, [222, 70, 70], [70, 120, 235], [222, 70, 70], [70, 120, 235]] as const;
@@ -53,10 +58,10 @@ function paint(canvas: HTMLCanvasElement | null | undefined, take: MadeTake): vo
   take.poses.forEach((pose, i) => {
     const xs = pose.flat().map(([x]) => x);
     const [left, right] = [Math.min(...xs), Math.max(...xs)];
-    const scale = Math.min((height - 6) / Math.max(high - low, 0.1), (1.25 * column) / Math.max(right - left, 0.1));
+    const scale = Math.min((height - 6) / Math.max(apart ? tall : high - low, 0.1), (1.25 * column) / Math.max(right - left, 0.1));
     pose.forEach((line, part) => {
       context.beginPath();
-      for (const [x, y] of line) context.lineTo(column * (i + 0.5) + scale * (x - (left + right) / 2), height - 3 - scale * (y - low));
+      for (const [x, y] of line) context.lineTo(column * (i + 0.5) + scale * (x - (left + right) / 2), height - 3 - scale * (y - (apart ? (spans[i]?.low ?? low) : low)));
       context.lineWidth = 1.4;
       context.strokeStyle = css(shades[part] ?? ink, 0.95);
       context.stroke();
