@@ -30,7 +30,7 @@ pub(crate) struct Calibration {
     /// Canvas units a metre.
     pub(crate) units: f64,
     /// The pelvis on the canvas.
-    pelvis: [f64; 2],
+    pub(crate) pelvis: [f64; 2],
     /// The pelvis on the picture.
     pub(crate) origin: Vec2,
 }

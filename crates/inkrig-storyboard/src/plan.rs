@@ -151,7 +151,8 @@ pub fn understand(
     words: Option<&WordReader>,
 ) -> Result<Understood, StoryboardError> {
     let read = plan(frame, figure, body, words).and_then(|mut read| {
-        read.plan.space = Space::of(frame, read.plan.frames, body)?;
+        let scale = read.figure.as_ref().and_then(|figure| Calibration::of(figure, body, &read.plan.camera));
+        read.plan.space = Space::of(frame, &read.plan, body, scale.as_ref())?;
         Ok(read)
     });
     read.map_err(|problem| problem.of_frame(number))

@@ -1,15 +1,24 @@
 //! What a frame says of its motion in space: joints that were moved by hand, and what holds between joints and the world.
 
+use crate::calibrate::Calibration;
 use crate::error::Problem;
 use crate::exact::{Constraint, Cuboid, Rule};
 use crate::joints::joint_named;
-use inkrig_motion::glam::Vec3;
+use crate::plan::Plan;
+use inkrig_motion::glam::{Quat, Vec2, Vec3};
 use inkrig_motion::humanml::{JOINTS, Joints, NAMES, PARENTS};
-use inkrig_sketch::storyboard::{self, Frame};
+use inkrig_sketch::storyboard::{self, Frame, Stroke};
 use std::ops::Range;
 
 /// Planes and edits that are nearer to each other than this agree, metres.
 const AGREE: f32 = 0.01;
+/// A camera that sees less of a height than this share of it looks down too steeply.
+const STEEP: f32 = 0.3;
+/// Ends of a stroke that goes around a box are nearer than this share of its size, and it is at least so wide and high, metres.
+const OPEN: f32 = 0.25;
+const THIN: f32 = 0.02;
+/// How deep a drawn box is where nobody says, metres.
+const THICK: f64 = 0.5;
 
 /// What is said of a clip in its own space.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -23,8 +32,14 @@ pub struct Space {
 }
 
 impl Space {
-    /// Of a frame whose clip has so many frames, for a body with these bones.
-    pub(crate) fn of(frame: &Frame, frames: usize, body: &Joints) -> Result<Self, Problem> {
+    /// Of a frame, for a body with these bones. `view`: how the scene is seen, where a figure tells.
+    pub(crate) fn of(
+        frame: &Frame,
+        plan: &Plan,
+        body: &Joints,
+        view: Option<&Calibration>,
+    ) -> Result<Self, Problem> {
+        let frames = plan.frames;
         let mut edits: Vec<(usize, usize, Vec3)> = Vec::new();
         for edit in &frame.edits {
             let joint = joint_named(&edit.joint)?;
@@ -45,7 +60,11 @@ impl Space {
         }
         let mut constraints = Vec::new();
         for constraint in &frame.constraints {
-            constraints.push(rule(constraint, frames, body)?);
+            let drawn = constraint
+                .scene()
+                .map(|scene| drawn(constraint, &frame.scene, scene, plan, view))
+                .transpose()?;
+            constraints.push(rule(constraint, frames, body, drawn.as_ref())?);
         }
         let space = Self { edits, lock_ends: frame.lock_ends, constraints };
         space.agrees()?;
@@ -120,7 +139,58 @@ impl Space {
     }
 }
 
-fn rule(said: &storyboard::Constraint, frames: usize, body: &Joints) -> Result<Constraint, Problem> {
+/// What a stroke of the scene is set to: it lies as far away as the figure, and is seen as the clip begins.
+enum Drawn {
+    Level(f32),
+    Box(Cuboid),
+}
+
+fn drawn(
+    constraint: &storyboard::Constraint,
+    scene: &[Stroke],
+    number: usize,
+    plan: &Plan,
+    view: Option<&Calibration>,
+) -> Result<Drawn, Problem> {
+    let camera = &plan.camera;
+    let what = format!("a constraint ({}) is set from stroke {number} of the scene", constraint.kind());
+    let (Some(view), true) = (view, plan.placed && plan.key_frame() == 0) else {
+        let todo = "Draw the figure where the clip begins, or give places in metres";
+        return Err(Problem::new(format!("{what}, but no figure says where that is"), todo));
+    };
+    let up = camera.project(Vec3::Y).y;
+    if up < STEEP {
+        let todo = "Take a camera that looks less down, or give places in metres";
+        return Err(Problem::new(format!("{what}, but from so high no height is seen"), todo));
+    }
+    let points = scene.get(number).map_or(&[][..], |stroke| &stroke.points);
+    let places: Vec<Vec2> = points.iter().map(|point| view.picture(*point)).collect();
+    let low = places.iter().copied().fold(Vec2::INFINITY, Vec2::min);
+    let high = places.iter().copied().fold(Vec2::NEG_INFINITY, Vec2::max);
+    let storyboard::Constraint::Box { thickness, .. } = constraint else {
+        let mean = places.iter().map(|place| place.y).sum::<f32>() / places.len().max(1) as f32;
+        return Ok(Drawn::Level(mean / up));
+    };
+    let ends = places.first().zip(places.last()).map_or(f32::INFINITY, |(a, b)| a.distance(*b));
+    if ends > OPEN * (high - low).length() || (high - low).min_element() < THIN {
+        let todo = "Draw around the face of the box, or give its corners in metres";
+        return Err(Problem::new(format!("{what}, which does not go around anything"), todo));
+    }
+    let right = camera.view_from_world().row(0);
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    Ok(Drawn::Box(Cuboid {
+        middle: right * middle.x + Vec3::Y * middle.y / up,
+        half: Vec3::new(half.x, half.y / up, 0.5 * thickness.unwrap_or(THICK) as f32),
+        turn: Quat::from_rotation_y((-right.z).atan2(right.x)),
+    }))
+}
+
+fn rule(
+    said: &storyboard::Constraint,
+    frames: usize,
+    body: &Joints,
+    drawn: Option<&Drawn>,
+) -> Result<Constraint, Problem> {
     let [first, last] = said.frames().unwrap_or([0, frames - 1]);
     if last >= frames {
         return Err(Problem::new(
@@ -150,11 +220,15 @@ fn rule(said: &storyboard::Constraint, frames: usize, body: &Joints) -> Result<C
         }
         storyboard::Constraint::Plane { joint, height, normal, through, .. } => {
             let normal = normal.as_ref().map_or(Vec3::Y, vector).normalize_or(Vec3::Y);
-            let through = through.as_ref().map_or(Vec3::Y * height.unwrap_or(0.0) as f32, vector);
+            let height =
+                if let Some(Drawn::Level(height)) = drawn { *height } else { height.unwrap_or(0.0) as f32 };
+            let through = through.as_ref().map_or(Vec3::Y * height, vector);
             Rule::Plane(joint_named(joint)?, normal, normal.dot(through))
         }
         storyboard::Constraint::Box { joint, from, to, .. } => {
-            Rule::Box(joint_named(joint)?, Cuboid::between(vector(from), vector(to)))
+            let corner = |corner: &Option<[f64; 3]>| corner.as_ref().map_or(Vec3::ZERO, vector);
+            let given = Cuboid::between(corner(from), corner(to));
+            Rule::Box(joint_named(joint)?, if let Some(Drawn::Box(cuboid)) = drawn { *cuboid } else { given })
         }
         storyboard::Constraint::Balance { .. } => Rule::Balance,
     };
@@ -172,8 +246,10 @@ fn reach([a, b]: [usize; 2], body: &Joints) -> f32 {
 }
 
 #[cfg(test)]
+#[allow(clippy::panic, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
+    use inkrig_motion::humanml::Camera;
     use inkrig_sketch::storyboard::read_storyboard;
 
     fn body() -> Joints {
@@ -185,7 +261,52 @@ mod tests {
     fn space(inside: &str) -> Result<Space, Problem> {
         let text = format!("{{\"inkrig_storyboard\": 1, \"frames\": [{{{inside}}}]}}");
         let board = read_storyboard(text.as_bytes()).unwrap();
-        Space::of(&board.frames[0], 40, &body())
+        Space::of(&board.frames[0], &plan(), &body(), None)
+    }
+
+    fn plan() -> Plan {
+        Plan {
+            word: String::new(),
+            frames: 40,
+            camera: Camera::default(),
+            usual_view: true,
+            pose: Vec::new(),
+            keypose: None,
+            ways: Vec::new(),
+            placed: true,
+            space: Space::default(),
+        }
+    }
+
+    #[test]
+    fn a_floor_and_a_box_are_set_from_the_scene() {
+        let text = r#"{"inkrig_storyboard": 1, "frames": [{"scene": [[[-50, 20], [50, 20]], [[0, 0], [40, 0], [40, 30], [0, 30], [1, 1]]],
+            "constraints": [{"kind": "plane", "joint": "left_wrist", "scene": 0},
+            {"kind": "box", "joint": "right_foot", "scene": 1, "thickness": 0.6}]}]}"#;
+        let board = read_storyboard(text.as_bytes()).unwrap();
+        let plan = plan();
+        // A hundred units a metre; the canvas' origin is where the world's is seen.
+        let view = Calibration { units: 100.0, pelvis: [0.0; 2], origin: Vec2::ZERO };
+        let read = Space::of(&board.frames[0], &plan, &body(), Some(&view)).unwrap();
+        let up = plan.camera.project(Vec3::Y).y;
+        assert!(
+            matches!(read.constraints[0].rule, Rule::Plane(20, Vec3::Y, height) if (height - 0.2 / up).abs() < 1e-5)
+        );
+        let Rule::Box(11, cuboid) = &read.constraints[1].rule else { panic!("{read:?}") };
+        let corner = |x: f32, y: f32| cuboid.middle + cuboid.turn * (cuboid.half * Vec3::new(x, y, 0.0));
+        for ((x, y), seen) in
+            [((-1.0, -1.0), [0.0, 0.0]), ((1.0, -1.0), [0.4, 0.0]), ((1.0, 1.0), [0.4, 0.3])]
+        {
+            let place = plan.camera.project(corner(x, y));
+            assert!(place.distance(Vec2::from(seen)) < 1e-5, "{place} {seen:?}");
+        }
+        assert!((cuboid.half.z - 0.3).abs() < 1e-6);
+        let none = Space::of(&board.frames[0], &plan, &body(), None).unwrap_err();
+        assert!(none.what.contains("no figure says where that is"), "{none:?}");
+        let mut open = board.frames[0].clone();
+        open.scene[1].points.truncate(3);
+        let none = Space::of(&open, &plan, &body(), Some(&view)).unwrap_err();
+        assert!(none.what.contains("does not go around anything"), "{none:?}");
     }
 
     #[test]

@@ -164,6 +164,7 @@ mod tests {
             height,
             normal,
             through,
+            scene: None,
             frames: Some([3, 9]),
         };
         vec![
@@ -171,7 +172,14 @@ mod tests {
             Constraint::Distance { joints: [name(), "head".into()], metres: None, frames: Some([0, 0]) },
             plane(Some(0.0), None, None),
             plane(None, Some([0.0, 0.0, 1.0]), Some([0.0, 0.0, 0.5])),
-            Constraint::Box { joint: name(), from: [0.0; 3], to: [0.5, 0.75, -1.0], frames: None },
+            Constraint::Box {
+                joint: name(),
+                from: Some([0.0; 3]),
+                to: Some([0.5, 0.75, -1.0]),
+                scene: None,
+                thickness: None,
+                frames: None,
+            },
             Constraint::Balance { frames: None },
         ]
     }
@@ -250,6 +258,14 @@ mod tests {
                     r#""constraints": [{"kind": "box", "joint": "head", "from": [0, 0, 0], "to": [1, 0, 1]}]"#,
                 ),
                 "constraint 1 (box): the box from",
+            ),
+            (
+                frame(r#""constraints": [{"kind": "box", "joint": "head", "scene": 0}]"#),
+                "the scene has no stroke 0: there are 0",
+            ),
+            (
+                frame(r#""constraints": [{"kind": "box", "joint": "head"}]"#),
+                "it needs \"from\" and \"to\", or",
             ),
             (
                 frame(r#""constraints": [{"kind": "distance", "joints": ["left_wrist", "left_wrist"]}]"#),

@@ -51,6 +51,9 @@ pub enum Constraint {
         /// Of any plane: a place on it.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         through: Option<[f64; 3]>,
+        /// Of a level plane: the stroke of the scene, from 0, that is drawn at its height, as far away as the figure.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        scene: Option<usize>,
         /// See [`Constraint::Distance`].
         #[serde(default, skip_serializing_if = "Option::is_none")]
         frames: Option<[usize; 2]>,
@@ -60,9 +63,17 @@ pub enum Constraint {
         /// Name of the joint.
         joint: String,
         /// A corner.
-        from: [f64; 3],
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        from: Option<[f64; 3]>,
         /// The corner across.
-        to: [f64; 3],
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        to: Option<[f64; 3]>,
+        /// Or the stroke of the scene, from 0, that goes around its face, as far away as the figure.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        scene: Option<usize>,
+        /// With that, how deep it is, metres; without it, half a metre.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        thickness: Option<f64>,
         /// See [`Constraint::Distance`].
         #[serde(default, skip_serializing_if = "Option::is_none")]
         frames: Option<[usize; 2]>,
@@ -105,6 +116,14 @@ impl Constraint {
         }
     }
 
+    /// The stroke of the scene that it is set from.
+    pub fn scene(&self) -> Option<usize> {
+        match self {
+            Self::Plane { scene, .. } | Self::Box { scene, .. } => *scene,
+            Self::Distance { .. } | Self::Balance { .. } => None,
+        }
+    }
+
     /// What is wrong with it in itself, and what to do.
     fn problem(&self) -> Option<String> {
         match self {
@@ -114,10 +133,11 @@ impl Constraint {
             Self::Distance { metres: Some(metres), .. } if !(0.0..=3.0).contains(metres) => {
                 Some(format!("{metres} m is not a distance that a person's joints can have, 0 to 3"))
             }
-            Self::Plane { height, normal, through, .. } => match (height, normal, through) {
-                (Some(height), None, None) if is_place(*height) => None,
-                (Some(height), None, None) => Some(format!("{height} is no height in metres")),
-                (None, Some(normal), Some(through)) => {
+            Self::Plane { height, normal, through, scene, .. } => match (height, normal, through, scene) {
+                (Some(height), None, None, None) if is_place(*height) => None,
+                (Some(height), None, None, None) => Some(format!("{height} is no height in metres")),
+                (None, None, None, Some(_)) => None,
+                (None, Some(normal), Some(through), None) => {
                     let long = normal.iter().map(|number| number * number).sum::<f64>().sqrt();
                     if !(1e-6..=1e6).contains(&long) {
                         return Some(format!(
@@ -126,14 +146,23 @@ impl Constraint {
                     }
                     no_place(through)
                 }
-                _ => Some("it needs \"height\", or \"normal\" and \"through\", and not both".into()),
+                _ => Some(
+                    "it needs \"height\", or \"normal\" and \"through\", or \"scene\": one of these".into(),
+                ),
             },
-            Self::Box { from, to, .. } => no_place(from).or_else(|| no_place(to)).or_else(|| {
-                let flat = from.iter().zip(to).any(|(a, b)| (a - b).abs() < 1e-3);
-                flat.then(|| {
-                    format!("the box from {from:?} to {to:?} is flat. Use a plane, or make it thicker")
+            Self::Box { from: Some(from), to: Some(to), scene: None, thickness: None, .. } => {
+                no_place(from).or_else(|| no_place(to)).or_else(|| {
+                    let flat = from.iter().zip(to).any(|(a, b)| (a - b).abs() < 1e-3);
+                    flat.then(|| {
+                        format!("the box from {from:?} to {to:?} is flat. Use a plane, or make it thicker")
+                    })
                 })
-            }),
+            }
+            Self::Box { from: None, to: None, scene: Some(_), thickness, .. } => {
+                let thick = thickness.filter(|thick| !(1e-3..=MAX_STORYBOARD_METRES).contains(thick));
+                thick.map(|thick| format!("{thick} m is no thickness"))
+            }
+            Self::Box { .. } => Some("it needs \"from\" and \"to\", or \"scene\": one of these".into()),
             _ => None,
         }
     }
@@ -179,6 +208,13 @@ impl Frame {
             }
             if let Some(problem) = constraint.problem() {
                 return wrong(place, problem);
+            }
+            if let Some(scene) = constraint.scene().filter(|scene| *scene >= self.scene.len()) {
+                let count = self.scene.len();
+                return wrong(
+                    place,
+                    format!("the scene has no stroke {scene}: there are {count}, counted from 0"),
+                );
             }
             if let Some([from, to]) = constraint.frames() {
                 if from > to {

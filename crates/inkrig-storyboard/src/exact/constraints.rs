@@ -10,6 +10,8 @@ use std::ops::Range;
 /// A foot is that wide on each side of the line from ankle to toe, and the centre of mass stays that far from its edge, metres.
 const FOOT: f64 = 0.045;
 const MARGIN: f64 = 0.01;
+/// A box whose lower side is below this stands on the floor, metres.
+const LOW: f32 = 0.05;
 
 /// Someone who is told what is missed, metres, and how that changes with places of joints.
 pub(super) type Tell<'a> = &'a mut dyn FnMut(f64, &[(usize, DVec3)]);
@@ -57,8 +59,13 @@ impl Cuboid {
     fn distance(&self, place: DVec3) -> (f64, DVec3) {
         let turn: DQuat = self.turn.as_dquat();
         let local = turn.inverse() * (place - self.middle.as_dvec3());
-        let over = local.abs() - self.half.as_dvec3();
-        let side = |axis: usize| if local[axis] < 0.0 { -1.0 } else { 1.0 };
+        let mut over = local.abs() - self.half.as_dvec3();
+        // Nobody comes to the underside of what stands on the floor.
+        let stands = self.middle.y - self.half.y < LOW;
+        if stands {
+            over.y = local.y - f64::from(self.half.y);
+        }
+        let side = |axis: usize| if local[axis] < 0.0 && !(stands && axis == 1) { -1.0 } else { 1.0 };
         let outside = over.max(DVec3::ZERO);
         let far = outside.length();
         if far > 0.0 {
@@ -224,6 +231,7 @@ mod tests {
             Rule::Distance([20, 11], Some(0.4)),
             Rule::Plane(21, Vec3::new(0.6, 0.0, 0.8), 0.3),
             Rule::Box(20, cuboid),
+            Rule::Box(20, Cuboid { middle: Vec3::new(0.2, 0.9, 0.1), ..cuboid }),
             Rule::Balance,
         ];
         let told = |rule: &Rule, pose: &Places, stands: [bool; 2]| {

@@ -202,6 +202,7 @@ fn lift_and_push() -> Storyboard {
         height: None,
         normal: Some([0.0, 0.0, -1.0]),
         through: Some([0.0, 0.0, (at * 100.0).round() / 100.0]),
+        scene: None,
         frames: Some([0, 29]),
     };
     let corner = |x: f64, y: f64| DVec3::new(x, y, at + 0.05);
