@@ -17,6 +17,14 @@ pub enum StoryboardError {
         /// What to do.
         todo: String,
     },
+    /// Clips that cannot be used as examples.
+    #[error("{problem}. {todo}")]
+    Examples {
+        /// What is wrong.
+        problem: String,
+        /// What to do.
+        todo: String,
+    },
     /// The model could not make it.
     #[error("frame {frame}: {cause}")]
     Generate {

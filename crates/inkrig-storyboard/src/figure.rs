@@ -8,12 +8,14 @@ use inkrig_generate::readers::ink::crop;
 use inkrig_generate::readers::network::Work;
 use inkrig_generate::readers::sketch::{JOINT_OF_KEY_POINT, KEY_POINTS, MARGIN, Reading, SIDE, SketchReader};
 use inkrig_motion::humanml::{JOINTS, NAMES};
-use inkrig_sketch::storyboard::{Frame, Stroke};
+use inkrig_sketch::storyboard::{Frame, SideChoice, Sides, Stroke};
 
 /// Below this likelihood a joint is taken for not drawn.
 const DRAWN: f32 = 0.5;
 /// A joint that is less sure is pointed out.
 const UNSURE: f32 = 0.35;
+/// Sides that are less sure than this, as a logarithm, are pointed out.
+const SURE: f32 = 1.0;
 /// Both ways to read that are farther apart than this share of the figure do not agree.
 const APART: f32 = 0.12;
 /// Strokes that come nearer than this share of the drawing's height belong to one figure.
@@ -30,11 +32,54 @@ pub struct Figure {
     pub joints: [Option<Found>; JOINTS],
     /// How much likelier these sides of arms and of legs are than the other way round, as logarithms.
     pub sides: [f32; 2],
+    /// All ways to tell left from right, the likeliest first; empty where nothing was read.
+    pub alternatives: Vec<Alternative>,
     /// How far the lines' own reading is away, as a share of the figure, where there is one.
     pub lines_differ: Option<f32>,
     /// What the user should know.
     pub notes: Vec<String>,
 }
+
+/// One way to tell left from right.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alternative {
+    /// What a frame has to say for it.
+    pub sides: Sides,
+    /// How likely the reader takes it to be, 0 to 1; all together are 1.
+    pub share: f32,
+}
+
+impl Alternative {
+    /// What people call it.
+    pub fn name(&self) -> &'static str {
+        match (self.sides.arms, self.sides.legs) {
+            (SideChoice::Read, SideChoice::Read) => "as read",
+            (SideChoice::Swapped, SideChoice::Read) => "arms swapped",
+            (SideChoice::Read, SideChoice::Swapped) => "legs swapped",
+            (SideChoice::Swapped, SideChoice::Swapped) => "mirrored",
+        }
+    }
+}
+
+/// All four, by how much likelier the sides of arms and of legs are than the other way round.
+fn alternatives(arms: f32, legs: f32) -> Vec<Alternative> {
+    let share = |odds: f32, side: SideChoice| match side {
+        SideChoice::Read => 1.0 / (1.0 + (-odds).exp()),
+        SideChoice::Swapped => 1.0 / (1.0 + odds.exp()),
+    };
+    let both = [SideChoice::Read, SideChoice::Swapped];
+    let mut all: Vec<Alternative> = both
+        .iter()
+        .flat_map(|own| both.map(|other| Sides { arms: *own, legs: other }))
+        .map(|sides| Alternative { sides, share: share(arms, sides.arms) * share(legs, sides.legs) })
+        .collect();
+    all.sort_by(|a, b| b.share.total_cmp(&a.share));
+    all
+}
+
+/// Left and right joints of arms, and of legs.
+const ARMS: [(usize, usize); 4] = [(13, 14), (16, 17), (18, 19), (20, 21)];
+const LEGS: [(usize, usize); 4] = [(1, 2), (4, 5), (7, 8), (10, 11)];
 
 /// A joint that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,8 +134,13 @@ fn read(frame: &Frame, reader: &SketchReader) -> Result<Option<Figure>, Problem>
     if !drawn && pins.iter().all(Option::is_none) {
         return Ok(None);
     }
-    let mut figure =
-        Figure { joints: [None; JOINTS], sides: [0.0; 2], lines_differ: None, notes: Vec::new() };
+    let mut figure = Figure {
+        joints: [None; JOINTS],
+        sides: [0.0; 2],
+        alternatives: Vec::new(),
+        lines_differ: None,
+        notes: Vec::new(),
+    };
     if drawn {
         one_figure(&frame.body)?;
         let page = Page::of(&frame.body).ok_or_else(no_ink)?;
@@ -104,6 +154,15 @@ fn read(frame: &Frame, reader: &SketchReader) -> Result<Option<Figure>, Problem>
             }
         }
         figure.sides = [reading.arms, reading.legs];
+        figure.alternatives = alternatives(reading.arms, reading.legs);
+        for (part, (pairs, choice)) in
+            [(ARMS, frame.sides.arms), (LEGS, frame.sides.legs)].into_iter().enumerate()
+        {
+            if choice == SideChoice::Swapped {
+                pairs.iter().for_each(|(left, right)| figure.joints.swap(*left, *right));
+                figure.sides[part] = -figure.sides[part];
+            }
+        }
         figure.lines_differ = graph::read(&crop.ink).map(|lines| apart(&reading, &lines.places));
     }
     for (joint, at) in pins.iter().enumerate() {
@@ -111,7 +170,7 @@ fn read(frame: &Frame, reader: &SketchReader) -> Result<Option<Figure>, Problem>
             figure.joints[joint] = Some(Found { at, confidence: 1.0, pinned: true });
         }
     }
-    figure.judge()?;
+    figure.judge(frame.sides)?;
     Ok(Some(figure))
 }
 
@@ -121,7 +180,7 @@ fn no_ink() -> Problem {
 
 impl Figure {
     /// Says what is missing or not sure.
-    fn judge(&mut self) -> Result<(), Problem> {
+    fn judge(&mut self, said: Sides) -> Result<(), Problem> {
         let found = |joint: usize| self.joints[joint].is_some();
         let trunk = [0, 3, 12, 15].iter().filter(|joint| found(**joint)).count();
         let pelvis = found(0) || (found(1) && found(2));
@@ -153,12 +212,24 @@ impl Figure {
                 100.0 * share
             ));
         }
-        for (what, side) in ["arms", "legs"].into_iter().zip(self.sides) {
-            if side.abs() < 1.0 && self.joints.iter().flatten().any(|found| !found.pinned) {
-                notes.push(format!(
-                    "left and right of the {what} can hardly be told: pin one of them if they are swapped"
-                ));
-            }
+        let asked = [said.arms, said.legs].map(|choice| choice == SideChoice::Read);
+        let unsure: Vec<&str> = ["arms", "legs"]
+            .into_iter()
+            .zip(self.sides.iter().zip(asked))
+            .filter_map(|(what, (side, asked))| (asked && side.abs() < SURE).then_some(what))
+            .collect();
+        if !unsure.is_empty() && self.joints.iter().flatten().any(|found| !found.pinned) {
+            let listed: Vec<String> = self
+                .alternatives
+                .iter()
+                .map(|other| format!("{} {:.0} %", other.name(), 100.0 * other.share))
+                .collect();
+            notes.push(format!(
+                "left and right of the {} can hardly be told ({}): where they are wrong, say \"sides\": {{\"{}\": \"swapped\"}} in the frame, or pin one of them",
+                unsure.join(" and "),
+                listed.join(", "),
+                unsure.join("\": \"swapped\", \"")
+            ));
         }
         self.notes = notes;
         Ok(())

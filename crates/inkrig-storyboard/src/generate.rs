@@ -7,11 +7,11 @@ use inkrig_generate::guidance::{Ask, Target, View};
 use inkrig_generate::measures::{jerk, skating};
 use inkrig_generate::networks::{Decoding, Domain};
 use inkrig_generate::readers::sketch::JOINT_OF_KEY_POINT;
-use inkrig_generate::sampling::{Conditions, Networks, Request, Sampler, SamplingOptions};
+use inkrig_generate::sampling::{Conditions, Examples, Networks, Request, Sampler, SamplingOptions};
 use inkrig_motion::Features;
 use inkrig_motion::glam::{Vec2, Vec3};
 use inkrig_motion::humanml::{
-    Blocks, FRAME_RATE, JOINTS, Joints, Statistics, WIDTH, augment, keep_footing, recover_positions,
+    Blocks, FRAME_RATE, JOINTS, Joints, Statistics, WIDTH, augment, features, keep_footing, recover_positions,
 };
 use rayon::prelude::*;
 
@@ -93,9 +93,37 @@ impl Maker<'_> {
         text: &[f32],
         options: &MakerOptions,
     ) -> Result<Vec<Generated>, StoryboardError> {
+        self.ranked(number, plan, (text, None), options)
+    }
+
+    /// The same, but denoising begins with a motion, made so noisy that much of it is lost. Models that were distilled for few steps
+    /// begin with noise all the same.
+    ///
+    /// # Errors
+    /// As of [`clip`](Self::clip).
+    pub fn takes_near(
+        &self,
+        number: usize,
+        plan: &Plan,
+        text: &[f32],
+        motion: &[Joints],
+        options: &MakerOptions,
+    ) -> Result<Vec<Generated>, StoryboardError> {
+        let failed = |cause| StoryboardError::Generate { frame: number, cause: Box::new(cause) };
+        let latent = self.encoded(motion, plan.frames.max(self.usual_frames)).map_err(failed)?;
+        self.ranked(number, plan, (text, Some(&latent)), options)
+    }
+
+    fn ranked(
+        &self,
+        number: usize,
+        plan: &Plan,
+        told: Told<'_>,
+        options: &MakerOptions,
+    ) -> Result<Vec<Generated>, StoryboardError> {
         let made: Result<Vec<Generated>, GenerateError> = (0..options.candidates.max(1))
             .into_par_iter()
-            .map(|candidate| self.candidate(number, candidate, plan, text, options))
+            .map(|candidate| self.candidate(number, candidate, plan, told, options))
             .collect();
         let failed = |cause| StoryboardError::Generate { frame: number, cause: Box::new(cause) };
         let made = made.map_err(failed)?;
@@ -111,7 +139,7 @@ impl Maker<'_> {
         number: usize,
         candidate: usize,
         plan: &Plan,
-        text: &[f32],
+        told: Told<'_>,
         options: &MakerOptions,
     ) -> Result<Generated, GenerateError> {
         let seed = options
@@ -123,9 +151,9 @@ impl Maker<'_> {
         if !plan.placed && options.drawn {
             // Where the motion will have taken the figure: as far as it goes without the drawing.
             let free = Plan { keypose: None, ways: Vec::new(), ..plan.clone() };
-            plan = placed_on(&plan, &self.sample(&free, text, options, seed)?.motion);
+            plan = placed_on(&plan, &self.sample(&free, told, options, seed)?.motion);
         }
-        let Sampled { motion, contacts, evaluations } = self.sample(&plan, text, options, seed)?;
+        let Sampled { motion, contacts, evaluations } = self.sample(&plan, told, options, seed)?;
         // The picture follows the motion, before feet are put on the floor and behind it.
         let plan = plan.moved(offset(&plan, &motion));
         let [error, worst] = error(&plan, &motion);
@@ -137,14 +165,20 @@ impl Maker<'_> {
     fn sample(
         &self,
         plan: &Plan,
-        text: &[f32],
+        (text, near): Told<'_>,
         options: &MakerOptions,
         seed: u64,
     ) -> Result<Sampled, GenerateError> {
         let frames = plan.frames.max(self.usual_frames);
         let conditions = self.conditions(frames, plan, text, options)?;
         let sampler = Sampler { networks: self.networks, features: self.features, no_text: self.no_text };
-        let sampled = sampler.sample(&[conditions], &options.sampling, seed)?;
+        let sampled = match near {
+            Some(latent) => {
+                let sampling = SamplingOptions { from: Some(Examples::TIMESTEP), ..options.sampling.clone() };
+                sampler.sample_near(latent, &[conditions], &sampling, seed)?
+            }
+            None => sampler.sample(&[conditions], &options.sampling, seed)?,
+        };
         let mut decoding = Decoding::default();
         self.networks.vae.decode(&sampled.latents, &[frames], &mut decoding)?;
         let mut rows = decoding.features().to_vec();
@@ -160,7 +194,20 @@ impl Maker<'_> {
     }
 }
 
+/// A text's vector, and a latent to begin with.
+type Told<'a> = (&'a [f32], Option<&'a [f32]>);
+
 impl Maker<'_> {
+    /// A motion as a latent of so many frames; it rests at its end where it is shorter.
+    fn encoded(&self, motion: &[Joints], frames: usize) -> Result<Vec<f32>, GenerateError> {
+        let mut longer = motion.to_vec();
+        // Features are of pairs of poses.
+        longer.resize(frames + 1, motion.last().copied().unwrap_or([Vec3::ZERO; JOINTS]));
+        let mut rows = features(&longer)?.as_slice().to_vec();
+        self.features.normalise(&mut rows);
+        Ok(self.networks.vae.encode(&rows)?.mean)
+    }
+
     /// What the networks are told: all that is drawn where they were taught such pictures, else the word alone; guidance follows it all.
     fn conditions(
         &self,
@@ -235,7 +282,7 @@ pub(crate) fn offset(plan: &Plan, motion: &[Joints]) -> Vec2 {
 }
 
 /// Mean and largest distance of asked joints from their places on the picture, metres; 0 where nothing is asked for.
-fn error(plan: &Plan, motion: &[Joints]) -> [f32; 2] {
+pub(crate) fn error(plan: &Plan, motion: &[Joints]) -> [f32; 2] {
     let off: Vec<f32> = plan
         .asks()
         .iter()
@@ -248,7 +295,7 @@ fn error(plan: &Plan, motion: &[Joints]) -> [f32; 2] {
 }
 
 /// What is taken is near to the drawing, stands on the ground without sliding, and does not jerk.
-fn cost(clip: &Generated) -> f64 {
+pub(crate) fn cost(clip: &Generated) -> f64 {
     let motion = &clip.motion;
     let lowest =
         motion.iter().map(|pose| pose.iter().map(|joint: &Vec3| joint.y).fold(f32::INFINITY, f32::min));

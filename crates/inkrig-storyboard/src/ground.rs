@@ -37,7 +37,7 @@ fn height(camera: &Camera, begin: Vec2) -> f32 {
 }
 
 /// The place of a height that is seen there; `None` where the camera hardly looks down.
-fn on_level(camera: &Camera, seen: Vec2, height: f32) -> Option<Vec3> {
+pub(crate) fn on_level(camera: &Camera, seen: Vec2, height: f32) -> Option<Vec3> {
     let across = Mat2::from_cols(camera.project(Vec3::X), camera.project(Vec3::Z));
     if across.determinant().abs() < FLAT {
         return None;

@@ -11,6 +11,7 @@ mod calibrate;
 mod edited;
 mod error;
 mod exact;
+mod example;
 mod figure;
 mod generate;
 mod ground;
@@ -29,7 +30,11 @@ pub use exact::{
     Asked, Constraint, Cuboid, Goal, MeetOptions, Met, Proportioned, Rule, Source, centre_of_mass, meet,
     meet_all, misses, proportion,
 };
-pub use figure::{Figure, Found, read_figure};
+pub use example::{
+    Answer, Creature, CreatureFrame, CreaturePart, CreatureWay, Example, Library, Retrieved, creature,
+    read_creature,
+};
+pub use figure::{Alternative, Figure, Found, read_figure};
 pub use generate::{Generated, Maker, MakerOptions};
 pub use picture::{Picture, storyboard_of_picture};
 pub use plan::{KeyJoint, Plan, Understood, understand};

@@ -63,6 +63,11 @@ pub(crate) fn timed(line: &Stroke, speed: f64, beside: &[&Stroke]) -> Timed {
 }
 
 impl Timed {
+    /// How long it takes, seconds.
+    pub(crate) fn seconds(&self) -> f64 {
+        self.seconds.last().copied().unwrap_or(0.0)
+    }
+
     /// How many frames it takes, at least [`LEAST`]; none more than [`MOST`], which no model makes.
     pub(crate) fn frames(&self) -> usize {
         let seconds = self.seconds.last().copied().unwrap_or(0.0);

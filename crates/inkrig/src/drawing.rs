@@ -1,7 +1,7 @@
 //! Drawings as ink: pictures of paper, or lines.
 
 use crate::error::CliError;
-use crate::load;
+use crate::{jpeg, load};
 use inkrig_generate::readers::ink::{Ink, Mark, Placement};
 use std::path::Path;
 use tiny_skia::Pixmap;
@@ -15,32 +15,40 @@ const PEN: f64 = 1.0 / 70.0;
 /// A picture of more pixels is not read.
 const MOST_PIXELS: u64 = 64 << 20;
 
-/// Reads a drawing: PNG, or a curve's file.
+/// Reads a drawing: PNG, JPEG, or a curve's file.
 ///
 /// # Errors
 /// When it is not there, too large, of an unknown kind or not understood.
 pub(crate) fn ink(path: &Path) -> Result<Ink, CliError> {
     match load::extension(path).as_deref() {
-        Some("png") => picture(path),
+        Some("png" | "jpg" | "jpeg") => picture(path),
         Some("svg" | "json" | "csv") => lines(path),
-        _ => {
-            Err(CliError::Kind { path: path.to_path_buf(), known: "known drawings: .png, .svg, .json, .csv" })
-        }
+        _ => Err(CliError::Kind {
+            path: path.to_path_buf(),
+            known: "known drawings: .png, .jpg, .svg, .json, .csv",
+        }),
     }
 }
 
 fn picture(path: &Path) -> Result<Ink, CliError> {
-    let pixmap = pixmap(path)?;
-    let bright = on_paper(&pixmap).map(|[red, green, blue]| (0.3 * red + 0.59 * green + 0.11 * blue) / 255.0);
-    let bright: Vec<f32> = bright.collect();
-    Ok(Ink::of_brightness(&bright, pixmap.width() as usize, pixmap.height() as usize))
+    let (width, height, pixels) = colours(path)?;
+    let bright = pixels.chunks_exact(3).map(|pixel| {
+        let part = |at: usize| f32::from(pixel[at]);
+        (0.3 * part(0) + 0.59 * part(1) + 0.11 * part(2)) / 255.0
+    });
+    Ok(Ink::of_brightness(&bright.collect::<Vec<f32>>(), width, height))
 }
 
-/// The pixels of a PNG, red, green and blue, with their width and height.
+/// The pixels of a PNG or JPEG, red, green and blue, with their width and height.
 ///
 /// # Errors
 /// When it is not there, too large or not understood.
 pub(crate) fn colours(path: &Path) -> Result<(usize, usize, Vec<u8>), CliError> {
+    if matches!(load::extension(path).as_deref(), Some("jpg" | "jpeg")) {
+        let wrong = |what| CliError::Picture { path: path.to_path_buf(), what };
+        let read = jpeg::decode(&load::drawing(path)?, MOST_PIXELS as usize).map_err(wrong)?;
+        return Ok((read.width, read.height, read.pixels));
+    }
     let pixmap = pixmap(path)?;
     let pixels = on_paper(&pixmap).flat_map(|pixel| pixel.map(|part| part as u8)).collect();
     Ok((pixmap.width() as usize, pixmap.height() as usize, pixels))

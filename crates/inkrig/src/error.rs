@@ -127,6 +127,9 @@ pub enum CliError {
         /// What else was asked for.
         with: &'static str,
     },
+    /// An engine that needs clips, and has none.
+    #[error("--engine example and both need clips: name their folder with --examples FOLDER")]
+    NoExamples,
     /// A keyframe on the command line that cannot be understood.
     #[error("the keyframe `{}` cannot be used", printable::text(text))]
     #[diagnostic(help("{known}"))]

@@ -36,6 +36,7 @@ pub mod error;
 mod guide;
 mod inputs;
 mod joints_picture;
+mod jpeg;
 pub mod load;
 mod main_axes;
 mod map_picture;

@@ -21,6 +21,7 @@ pub(crate) use continuation::rounds;
 pub use follow::{Followed, PathOptions, Route, follow_path};
 pub use in_place::in_place;
 pub use path::GroundPath;
+pub use placement::{GroundMove, move_over_ground, shift};
 pub use root_bone::{
     BONE_NAME, BoneChange, SkeletonChange, add_root_bone, empty_root_bone, fold_root_bone, root_bone,
 };

@@ -6,13 +6,13 @@ use glam::{DQuat, DVec2, DVec3, Quat, Vec3};
 
 /// A rigid move over the ground: a turn to the left about `from`, which then comes to lie at `to`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct GroundMove {
+pub struct GroundMove {
     /// Radians.
-    pub(super) turn: f64,
+    pub turn: f64,
     /// Metres.
-    pub(super) from: DVec2,
+    pub from: DVec2,
     /// Metres.
-    pub(super) to: DVec2,
+    pub to: DVec2,
 }
 
 impl GroundMove {
@@ -83,12 +83,31 @@ impl Placement {
     }
 }
 
-/// The clip with everything moved over the ground, one move a frame: the travelling joint, other roots, and what
-/// else hangs on the joints above the travelling one. Those themselves stay.
-pub(super) fn move_over_ground(
+/// The clip with everything moved over the ground, one move a frame (frames without one stay): the travelling joint, other
+/// roots, and what else hangs on the joints above the travelling one. Those themselves stay.
+///
+/// # Errors
+/// When the result is not a motion (a place beyond what f32 holds).
+pub fn move_over_ground(clip: &Clip, travel_joint: usize, moves: &[GroundMove]) -> Result<Clip, MotionError> {
+    carry(clip, travel_joint, |frame, place| moves.get(frame).map_or(place, |step| step.of_world(place)))
+}
+
+/// The clip shifted as a whole, by a vector a frame (frames without one stay), metres.
+///
+/// # Errors
+/// As [`move_over_ground`].
+pub fn shift(clip: &Clip, travel_joint: usize, by: &[Vec3]) -> Result<Clip, MotionError> {
+    carry(clip, travel_joint, |frame, place| {
+        let by = by.get(frame).map_or(DVec3::ZERO, |by| by.as_dvec3());
+        Placement { position: place.position + by, ..place }
+    })
+}
+
+/// Moves all that travels, as it is placed in the world.
+fn carry(
     clip: &Clip,
     travel_joint: usize,
-    moves: &[GroundMove],
+    moved: impl Fn(usize, Placement) -> Placement,
 ) -> Result<Clip, MotionError> {
     let joints = clip.skeleton().joints();
     let above = clip.skeleton().ancestors(travel_joint);
@@ -100,9 +119,9 @@ pub(super) fn move_over_ground(
         .collect();
     let mut parts = Parts::of(clip);
     for joint in carried {
-        let places = moves.iter().enumerate().map(|(frame, step)| {
+        let places = (0..clip.frames()).map(|frame| {
             let parent = Placement::of_parent(clip, joints[joint].parent, frame);
-            parent.seen(step.of_world(parent.then(Placement::local(clip, joint, frame))))
+            parent.seen(moved(frame, parent.then(Placement::local(clip, joint, frame))))
         });
         parts.place(joint, places);
     }

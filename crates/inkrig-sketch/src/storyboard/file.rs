@@ -123,7 +123,7 @@ fn is_stroke(value: &serde_json::Value) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Constraint, Edit, End, FrameCamera, Pin, Stroke, Trajectory};
+    use super::super::{Constraint, Edit, End, FrameCamera, Pin, SideChoice, Sides, Stroke, Trajectory};
     use super::*;
 
     fn board() -> Storyboard {
@@ -135,6 +135,7 @@ mod tests {
         };
         let way = Trajectory { points: timed, joint: Some("left_foot".into()), figure: Some(End::End) };
         let frame = Frame {
+            sides: Sides { arms: SideChoice::Swapped, legs: SideChoice::Read },
             word: "kick".into(),
             lettering: vec![line.clone()],
             body: vec![line.clone(), line.clone()],

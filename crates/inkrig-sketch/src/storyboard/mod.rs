@@ -66,6 +66,9 @@ pub struct Frame {
     /// What holds between joints and the world around.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub constraints: Vec<Constraint>,
+    /// Which sides of the figure are the other way round than they are read.
+    #[serde(skip_serializing_if = "Sides::is_read")]
+    pub sides: Sides,
     /// The camera that the frame is drawn through.
     pub camera: FrameCamera,
     /// How long it lasts; without it as long as the trajectories ask for, or two seconds.
@@ -131,6 +134,33 @@ pub struct Pin {
     pub joint: String,
     /// Where it is, canvas units.
     pub at: [f64; 2],
+}
+
+/// Left and right of a figure, which a drawing often does not tell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Sides {
+    /// Of shoulders, elbows and hands.
+    pub arms: SideChoice,
+    /// Of hips, knees and feet.
+    pub legs: SideChoice,
+}
+
+/// Whether left and right are as they are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SideChoice {
+    /// As the reader of figures says.
+    #[default]
+    Read,
+    /// The other way round.
+    Swapped,
+}
+
+impl Sides {
+    fn is_read(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// The camera of a frame: orthographic, turned about the vertical, then tilted.

@@ -27,7 +27,7 @@ pub enum Source {
 pub struct Goal {
     /// Frame of the motion.
     pub frame: usize,
-    /// Joint, 0 to 21.
+    /// Joint of the skeleton: of the model's, 0 to 21.
     pub joint: usize,
     /// The picture's axes in the motion's world.
     pub axes: [Vec3; 2],
@@ -77,7 +77,7 @@ impl Goal {
     }
 
     /// The place nearest to another that meets it.
-    pub(super) fn nearest(&self, place: Vec3) -> Vec3 {
+    pub(crate) fn nearest(&self, place: Vec3) -> Vec3 {
         let axes = self.measured().map(|(axis, _)| axis).zip(self.miss(place).to_array());
         axes.fold(place, |place, (axis, off)| place - off * axis)
     }

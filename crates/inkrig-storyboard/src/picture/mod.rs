@@ -12,8 +12,14 @@ use trace::trace;
 
 /// Ink above this is a line.
 const LINE: f32 = 0.45;
+/// A faint line, as of a light grey floor, has at least so much, and stands alone: the rims of dark lines are faint, too.
+const FAINT: f32 = 0.15;
+/// Pixels between a faint line and a dark one.
+const ALONE: usize = 3;
 /// The paper is as bright as this share of all pixels.
 const PAPER: f32 = 0.9;
+/// A way that ends so near to another's middle meets it, pixels.
+const MEETS: f64 = 8.0;
 /// Specks of fewer pixels are dirt.
 const SPECK: usize = 14;
 
@@ -46,12 +52,16 @@ pub fn storyboard_of_picture(picture: &Picture<'_>) -> Option<Storyboard> {
             });
             let mut mask: Vec<bool> = mask.collect();
             without_specks(&mut mask, wide);
-            for line in trace(mask, wide) {
+            let ink: Vec<bool> = (top..bottom)
+                .flat_map(|y| kinds[y * width + left..y * width + right].iter().map(Option::is_some))
+                .collect();
+            for line in trace(mask, &ink, wide) {
                 let place = |[x, y]: [f64; 2]| [x + left as f64, (height - top) as f64 - y];
                 frame.add(kind, Stroke::new(line.into_iter().map(place).collect()));
             }
         }
         begin_at_the_body(&mut frame);
+        go_back(&mut frame);
         if !frame.body.is_empty() || !frame.trajectories.is_empty() || !frame.lettering.is_empty() {
             frames.push(frame);
         }
@@ -87,11 +97,35 @@ fn kinds(picture: &Picture<'_>) -> Option<Vec<Option<Kind>>> {
         })
         .collect();
     let ink = Ink::of_brightness(&darkest, width, height);
-    let kinds = picture.pixels.chunks_exact(3).zip(&ink.pixels).map(|(pixel, ink)| {
-        let part = |at: usize| (255.0 * f32::from(pixel[at]) / white[at]).min(255.0) as u8;
-        if *ink > LINE { kind_of_colour([part(0), part(1), part(2)]) } else { None }
-    });
+    let beside_a_line = near(&ink.pixels.iter().map(|ink| *ink > LINE).collect::<Vec<_>>(), width);
+    let kinds = picture.pixels.chunks_exact(3).zip(ink.pixels.iter().zip(&beside_a_line)).map(
+        |(pixel, (ink, rim))| {
+            let part = |at: usize| (255.0 * f32::from(pixel[at]) / white[at]).min(255.0) as u8;
+            let least = if *rim { LINE } else { FAINT };
+            if *ink > least { kind_of_colour([part(0), part(1), part(2)]) } else { None }
+        },
+    );
     Some(kinds.collect())
+}
+
+/// Pixels at most [`ALONE`] away from one of a mask, along rows and columns.
+fn near(mask: &[bool], width: usize) -> Vec<bool> {
+    let spread = |mask: &[bool], step: usize, same: &dyn Fn(usize, usize) -> bool| {
+        let mut out = mask.to_vec();
+        for at in (0..mask.len()).filter(|at| mask[*at]) {
+            for away in 1..=ALONE {
+                for other in [at.checked_sub(away * step), at.checked_add(away * step)].into_iter().flatten()
+                {
+                    if other < out.len() && same(at, other) {
+                        out[other] = true;
+                    }
+                }
+            }
+        }
+        out
+    };
+    let across = spread(mask, 1, &|a, b| a / width == b / width);
+    spread(&across, width, &|_, _| true)
 }
 
 /// Takes away pieces of few pixels.
@@ -139,6 +173,40 @@ fn begin_at_the_body(frame: &mut Frame) {
         let points = &mut way.points.points;
         if away(points.last()) < away(points.first()) {
             points.reverse();
+        }
+    }
+}
+
+/// A way that ends on the middle of another is that way, gone back over its own line: a foot that kicks and comes down again.
+fn go_back(frame: &mut Frame) {
+    let ways = &mut frame.trajectories;
+    let mut number = 0;
+    while number < ways.len() {
+        let own = ways[number].points.points.clone();
+        let meets = |end: Option<&[f64; 2]>| {
+            let end = end?;
+            ways.iter().enumerate().filter(|(other, _)| *other != number).find_map(|(other, way)| {
+                let points = &way.points.points;
+                let inner = points.len() / 8..points.len() - points.len() / 8;
+                let at =
+                    inner.min_by(|a, b| distance(points[*a], *end).total_cmp(&distance(points[*b], *end)))?;
+                (distance(points[at], *end) < MEETS).then_some((other, at))
+            })
+        };
+        let found = match (meets(own.first()), meets(own.last())) {
+            (Some(found), None) => Some((found, own)),
+            (None, Some(found)) => Some((found, own.into_iter().rev().collect())),
+            _ => None,
+        };
+        match found {
+            Some(((other, at), rest)) => {
+                let points = &mut ways[other].points.points;
+                let back: Vec<[f64; 2]> = points[at..].iter().rev().skip(1).copied().collect();
+                points.extend(back);
+                points.extend(rest);
+                ways.remove(number);
+            }
+            None => number += 1,
         }
     }
 }

@@ -12,17 +12,30 @@ const BACK: usize = 9;
 const STRAIGHT: f64 = -0.64;
 /// More pieces than this are a texture: they stay apart.
 const MOST: usize = 300;
+/// A line that goes under another colour comes out again within so many pixels.
+const HIDDEN: f64 = 40.0;
+/// So much of the way between has to be ink of some colour.
+const COVERED: f64 = 0.8;
 /// Points on each side that a place is the mean of.
 const SMOOTH: usize = 2;
 
-/// Strokes of a mask, pixels from the left and from the top.
-pub(super) fn trace(mut mask: Vec<bool>, width: usize) -> Vec<Vec<[f64; 2]>> {
+/// Strokes of a mask, pixels from the left and from the top. `ink`: pixels of lines of any colour, under which a line may go on.
+pub(super) fn trace(mut mask: Vec<bool>, ink: &[bool], width: usize) -> Vec<Vec<[f64; 2]>> {
     if width < 3 || mask.len() < 3 * width {
         return Vec::new();
     }
     thin(&mut mask, width);
     let pieces = pieces(&mask, width);
-    let joined = join(pieces);
+    let hidden = |a: [f64; 2], b: [f64; 2]| {
+        let steps = distance(a, b).ceil().max(1.0) as usize;
+        let covered = (0..=steps).filter(|step| {
+            let t = *step as f64 / steps as f64;
+            let [x, y] = [0, 1].map(|axis| a[axis] + t * (b[axis] - a[axis]));
+            ink.get(y.max(0.0) as usize * width + x.max(0.0) as usize).copied().unwrap_or(false)
+        });
+        covered.count() as f64 >= COVERED * (steps + 1) as f64
+    };
+    let joined = join(pieces, &hidden);
     joined.into_iter().filter(|line| line.len() > 3).map(|line| smoothed(&line)).collect()
 }
 
@@ -79,8 +92,8 @@ fn pieces(mask: &[bool], width: usize) -> Vec<Vec<[f64; 2]>> {
     out
 }
 
-/// Joins pieces that go on straight where they meet, and leaves out short spurs there.
-fn join(pieces: Vec<Vec<[f64; 2]>>) -> Vec<Vec<[f64; 2]>> {
+/// Joins pieces that go on straight where they meet or under another colour, and leaves out short spurs where they meet.
+fn join(pieces: Vec<Vec<[f64; 2]>>, hidden: &dyn Fn([f64; 2], [f64; 2]) -> bool) -> Vec<Vec<[f64; 2]>> {
     if pieces.len() > MOST {
         return pieces;
     }
@@ -114,11 +127,20 @@ fn join(pieces: Vec<Vec<[f64; 2]>>) -> Vec<Vec<[f64; 2]>> {
                     else {
                         continue;
                     };
-                    if distance(one.0, other.0) > 4.5 {
+                    let apart = distance(one.0, other.0);
+                    if apart > HIDDEN {
                         continue;
                     }
-                    let bend = one.1[0] * other.1[0] + one.1[1] * other.1[1];
-                    if bend < STRAIGHT && best.is_none_or(|best| bend < best.0) {
+                    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+                    let bend = dot(one.1, other.1);
+                    let between = [0, 1].map(|axis| (other.0[axis] - one.0[axis]) / apart.max(1e-9));
+                    let met = apart <= 4.5
+                        || (dot(one.1, between) < STRAIGHT
+                            && dot(other.1, between) > -STRAIGHT
+                            && hidden(one.0, other.0));
+                    // Of two that are as straight, the nearer goes on.
+                    let bend = bend + 0.01 * apart;
+                    if bend < STRAIGHT && met && best.is_none_or(|best| bend < best.0) {
                         best = Some((bend, a, a_end, b, b_end));
                     }
                 }

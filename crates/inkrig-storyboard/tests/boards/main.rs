@@ -9,6 +9,7 @@
 
 mod constraints;
 mod edits;
+mod examples;
 mod motions;
 mod onto;
 mod pages;

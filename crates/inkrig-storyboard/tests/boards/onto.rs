@@ -27,7 +27,7 @@ fn a_storyboard_goes_onto_a_character_with_a_certificate() {
     assert!(broken.is_empty(), "{broken:?}");
 }
 
-fn reference(path: &str) -> Option<Vec<u8>> {
+pub(crate) fn reference(path: &str) -> Option<Vec<u8>> {
     let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
     let folder = std::env::var_os("INKRIG_REFERENCE").map_or_else(|| PathBuf::from(beside), PathBuf::from);
     let file = folder.join("data").join(path);

@@ -24,9 +24,7 @@ fn the_svg_says_the_same_as_the_json() {
 #[test]
 fn a_painted_page_becomes_a_motion_too() {
     let model = &*MODEL;
-    // Where dashes of speed lie on a way, as in the kick, it is still read in pieces.
-    {
-        let sample = inkrig_samples::find("walk-and-wave.json").unwrap();
+    for sample in inkrig_samples::storyboards() {
         let board = read_storyboard(sample.bytes).unwrap();
         let page = inkrig_samples::make::storyboards::Page::of(&board);
         let (width, height, pixels) = (page.width, page.height, page.colours());

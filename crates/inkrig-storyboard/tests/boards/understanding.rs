@@ -149,3 +149,26 @@ fn twice_as_fast_takes_half_the_frames_and_denser_lines_of_speed_fewer() {
         before = frames;
     }
 }
+
+#[test]
+fn sides_that_are_unsure_are_offered_and_chosen() {
+    use inkrig_sketch::storyboard::{SideChoice, Sides};
+    let kick = board("kick").frames[0].clone();
+    let read = understood(&kick).unwrap().figure.unwrap();
+    let all = &read.alternatives;
+    assert_eq!((all.len(), all[0].name()), (4, "as read"));
+    assert!((all.iter().map(|own| own.share).sum::<f32>() - 1.0).abs() < 1e-4, "{all:?}");
+    assert!(all.windows(2).all(|pair| pair[0].share >= pair[1].share), "{all:?}");
+    let sides = Sides { arms: SideChoice::Swapped, legs: SideChoice::Read };
+    let swapped = understood(&Frame { sides, ..kick.clone() }).unwrap().figure.unwrap();
+    let at = |figure: &inkrig_storyboard::Figure, joint: usize| figure.joints[joint].map(|found| found.at);
+    assert_eq!((at(&swapped, 20), at(&swapped, 21)), (at(&read, 21), at(&read, 20)));
+    assert_eq!(at(&swapped, 7), at(&read, 7), "legs stay");
+    // What the user has said is not asked about.
+    let notes = swapped.notes.join(" ");
+    assert!(!notes.contains("of the arms"), "{notes}");
+    let text =
+        "{\"inkrig_storyboard\": 1, \"frames\": [{\"word\": \"kick\", \"sides\": {\"legs\": \"swapped\"}}]}";
+    let frame = inkrig_sketch::storyboard::read_storyboard(text.as_bytes()).unwrap().frames[0].clone();
+    assert_eq!(frame.sides, Sides { arms: SideChoice::Read, legs: SideChoice::Swapped });
+}

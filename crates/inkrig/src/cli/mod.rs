@@ -35,7 +35,7 @@ pub use retarget::RetargetArgs;
 pub use root::{RootArgs, RootMode};
 pub use sidecar::SidecarArgs;
 pub use sketch::{SketchArgs, SketchCommand, SketchReadArgs, SketchWordArgs};
-pub use storyboard::{BlendArg, ExactArg, StoryboardArgs};
+pub use storyboard::{BlendArg, EngineArg, ExactArg, StoryboardArgs};
 pub use studio::StudioArgs;
 pub use suggest::SuggestArgs;
 pub use train::{PaceArgs, RunArgs, TrainArgs, TrainStage};

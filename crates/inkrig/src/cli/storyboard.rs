@@ -19,6 +19,13 @@ pub(super) const EXAMPLES: &str = r#"Examples:
   inkrig storyboard kick.json --lock-ends --report kick-report.json -o kick.glb
       after joints were moved in space ("edits" in the file): only that frame's motion changes, between its ends
 
+  inkrig storyboard trot.json --engine example --examples wolf/ -o trot.glb
+      from clips of your own, of any skeleton: a drawn way and a word are enough
+  inkrig storyboard kick.json --engine both --examples kicks/ --report kick-report.json -o kick.glb
+      the model begins with your clips; the report has it beside the model alone and the clips alone
+  inkrig storyboard kick.json --video kick.gif -o kick.glb
+      with a moving picture of the motion beside the drawing
+
 docs/storyboard.md says how storyboards are drawn and written."#;
 
 /// Arguments of `inkrig storyboard`.
@@ -33,6 +40,12 @@ pub struct StoryboardArgs {
     /// A character's file, which the animation is put on
     #[arg(long, value_name = "CHARACTER", value_hint = ValueHint::FilePath)]
     pub onto: Option<PathBuf>,
+    /// What frames are made by: learned (the model), example (clips of --examples), both (the model, which begins with the clips; the report compares all three)
+    #[arg(long, default_value = "learned")]
+    pub engine: EngineArg,
+    /// A folder of motion files of one skeleton, people or animals; words.csv or index.csv in it may say what is in a file
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub examples: Option<PathBuf>,
     /// How drawn lines and poses are met: off (only the word counts), soft (the motion is drawn to them while it is made),
     /// pin (and then moved until it meets them)
     #[arg(long, default_value = "soft")]
@@ -73,6 +86,9 @@ pub struct StoryboardArgs {
     /// Write a page that plays the motion beside its drawings, with drawn ways and poses in space; it needs no server
     #[arg(long, value_name = "PAGE.html", value_hint = ValueHint::FilePath)]
     pub preview: Option<PathBuf>,
+    /// Write a moving picture: the motion beside its drawings, 20 pictures a second
+    #[arg(long, value_name = "FILE.gif", value_hint = ValueHint::FilePath)]
+    pub video: Option<PathBuf>,
     /// Write what was understood and how exactly it is met, as JSON
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
     pub report: Option<PathBuf>,
@@ -82,6 +98,17 @@ pub struct StoryboardArgs {
     #[command(flatten)]
     /// The record beside the result.
     pub sidecar: SidecarArgs,
+}
+
+/// What frames are made by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum EngineArg {
+    /// The model.
+    Learned,
+    /// The user's clips.
+    Example,
+    /// The model, begun with the clips.
+    Both,
 }
 
 /// How drawings are met.

@@ -83,7 +83,15 @@ pub(in crate::commands) struct Made {
     pub(in crate::commands) animation: Animation,
 }
 
-fn wrong(path: &Path) -> impl Fn(StoryboardError) -> CliError + '_ {
+pub(super) fn exactness(exact: ExactArg) -> Exact {
+    match exact {
+        ExactArg::Off => Exact::Off,
+        ExactArg::Soft => Exact::Soft,
+        ExactArg::Pin => Exact::Pin(MeetOptions::default()),
+    }
+}
+
+pub(super) fn wrong(path: &Path) -> impl Fn(StoryboardError) -> CliError + '_ {
     |cause| CliError::Storyboard { path: path.into(), cause: Box::new(cause) }
 }
 
@@ -204,6 +212,17 @@ impl Workshop<'_> {
         takes: &mut Takes,
         watch: &mut dyn FnMut(Next) -> GoOn,
     ) -> Result<Made, CliError> {
+        self.make_near(frames, &[], takes, watch)
+    }
+
+    /// The same, where denoising of each frame begins with a motion, as far as there are some.
+    pub(super) fn make_near(
+        &self,
+        frames: &[Asked<'_>],
+        near: &[Generated],
+        takes: &mut Takes,
+        watch: &mut dyn FnMut(Next) -> GoOn,
+    ) -> Result<Made, CliError> {
         let Self { model, encoder, settings, path } = *self;
         let wrong = wrong(path);
         let mut goes_on = |next| match watch(next) {
@@ -220,7 +239,7 @@ impl Workshop<'_> {
             usual_frames: model.usual_frames(),
         };
         let (mut clips, mut ranked, mut texts) = (Vec::new(), Vec::new(), Vec::new());
-        for asked in frames {
+        for (at, asked) in frames.iter().enumerate() {
             let number = asked.number;
             let threads = goes_on(Next::Frame(number))?;
             let order = self.order(asked)?;
@@ -229,8 +248,11 @@ impl Workshop<'_> {
             let all = match known {
                 Some(known) => known,
                 None => {
-                    let made =
-                        on(threads, || maker.takes(order.number, &order.plan, &order.text, &order.options));
+                    let Order { number: of, plan, text, options } = &order;
+                    let made = on(threads, || match near.get(at) {
+                        Some(near) => maker.takes_near(*of, plan, text, &near.motion, options),
+                        None => maker.takes(*of, plan, text, options),
+                    });
                     let made = made.map_err(|cause| wrong(of_frame(cause, number)))?;
                     takes.keep(order, made)
                 }
@@ -261,11 +283,7 @@ impl Workshop<'_> {
         };
         let blender = Blender { sampler: &sampler, texts: &both, options: &blending };
         let blender = Some(blender).filter(|_| settings.blend == BlendArg::Model);
-        let exact = match settings.exact {
-            ExactArg::Off => Exact::Off,
-            ExactArg::Soft => Exact::Soft,
-            ExactArg::Pin => Exact::Pin(MeetOptions::default()),
-        };
+        let exact = exactness(settings.exact);
         let body = &model.body;
         let animation = on(threads, || animation(&clips, blender, body, &exact)).map_err(&wrong)?;
         Ok(Made { clips, ranked, animation })

@@ -1,14 +1,19 @@
 //! `inkrig storyboard`: drawn frames become one animation.
 
+mod creature;
+mod engines;
+mod examples;
 mod making;
 mod marks;
 mod onto;
 mod page;
 mod read;
 mod record;
+mod scene;
 mod sheet;
 mod space;
 mod takes;
+mod video;
 
 use super::generate::{HUMANOID, Model, named_model};
 use crate::cli::StoryboardArgs;
@@ -17,6 +22,7 @@ use crate::error::CliError;
 use crate::printable;
 use crate::provenance::{Facts, Run};
 use crate::{load, names, results};
+use engines::Engines;
 use inkrig_formats::{ExportOptions, Format, HumanBone, write_motion};
 use inkrig_motion::humanml::{FRAME_RATE, Joints, to_clip};
 use onto::onto;
@@ -32,13 +38,25 @@ pub(super) use takes::Takes;
 pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Result<(), CliError> {
     let format = results::format_of(&args.out)?;
     let named = named_model(args.model.as_ref());
-    let more = || [&args.report, &args.sheet, &args.preview].into_iter().flatten().map(PathBuf::as_path);
+    let more = || {
+        [&args.report, &args.sheet, &args.preview, &args.video].into_iter().flatten().map(PathBuf::as_path)
+    };
     let inputs = [Some(&args.board), named.as_ref(), args.onto.as_ref()].into_iter().flatten();
     names::results_differ(inputs.map(PathBuf::as_path), std::iter::once(args.out.as_path()).chain(more()))?;
     run.check_motion(&args.out, &args.sidecar)?;
     more().try_for_each(|path| run.check(path))?;
+    args.video.as_deref().map_or(Ok(()), video::check)?;
+    engines::check(args)?;
 
     let mut board = read::board(&args.board)?;
+    let mut warnings = Vec::new();
+    let examples = match &args.examples {
+        Some(folder) => Some(examples::examples(folder, console, &mut warnings)?),
+        None => None,
+    };
+    if let Some(examples) = examples.as_ref().filter(|examples| !examples.library.of_person()) {
+        return creature::run(args, run, console, (&board, examples), warnings);
+    }
     for frame in board.frames.iter_mut().filter(|frame| !frame.edits.is_empty()) {
         frame.lock_ends |= args.lock_ends;
     }
@@ -58,15 +76,17 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     let settings = Settings::of(args);
     let workshop =
         Workshop { model: &model, encoder: encoder.as_ref(), settings: &settings, path: &args.board };
-    let watch = &mut shown(console, understood.len());
     let asked = all(&board, understood.iter().map(Some));
-    let made = workshop.make(&asked, &mut Takes::default(), watch)?;
+    let library = examples.as_ref().map(|examples| &examples.library);
+    let Engines { made, retrieved, compared } =
+        engines::made(args.engine, &workshop, &asked, library, console)?;
 
-    let mut warnings: Vec<String> = understood
-        .iter()
-        .enumerate()
-        .flat_map(|(at, frame)| frame.notes.iter().map(move |note| format!("frame {}: {note}", at + 1)))
-        .collect();
+    warnings.extend(
+        understood
+            .iter()
+            .enumerate()
+            .flat_map(|(at, frame)| frame.notes.iter().map(move |note| format!("frame {}: {note}", at + 1))),
+    );
     let name = if board.title.is_empty() { "storyboard" } else { &board.title };
     let export = |name: &str| ExportOptions {
         name: Some(name.to_owned()),
@@ -90,7 +110,8 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     for ((path, motion), frame) in clips.iter().zip(&made.animation.clips).zip(&understood) {
         files.push((path, clip_bytes(motion, &made, format, &export(&frame.plan.word))?));
     }
-    let record = Record::of(args, &model, (&asked, &made), certificate, warnings);
+    let mut record = Record::of(args, &model, (&asked, &made), certificate, warnings);
+    record.add_engines(&retrieved, compared);
     if let Some(path) = &args.report {
         files.push((path, serde_json::to_vec_pretty(&record)?));
     }
@@ -101,6 +122,10 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     }
     if let Some(path) = &args.sheet {
         files.push((path, png(&board, &understood, &made)?));
+    }
+    if let Some(path) = &args.video {
+        let scene = scene::Scene::of_person(&board, &understood, &made);
+        files.push((path, video::gif(&scene, console, &mut record.warnings)?));
     }
     for warning in &record.warnings {
         console.warn(warning);

@@ -16,7 +16,7 @@ pub(super) fn board(path: &Path) -> Result<Storyboard, CliError> {
     match load::extension(path).as_deref() {
         Some("json") => read_storyboard(&load::drawing(path)?).map_err(wrong),
         Some("svg") => read_storyboard_svg(&load::drawing(path)?).map_err(wrong),
-        Some("png") => {
+        Some("png" | "jpg" | "jpeg") => {
             let (width, height, pixels) = drawing::colours(path)?;
             let picture = Picture { width, height, pixels: &pixels };
             storyboard_of_picture(&picture).ok_or_else(|| CliError::Picture {
@@ -24,6 +24,9 @@ pub(super) fn board(path: &Path) -> Result<Storyboard, CliError> {
                 what: "shows no line: draw a black figure and cyan trajectories on light paper".into(),
             })
         }
-        _ => Err(CliError::Kind { path: path.to_path_buf(), known: "known storyboards: .json, .svg, .png" }),
+        _ => Err(CliError::Kind {
+            path: path.to_path_buf(),
+            known: "known storyboards: .json, .svg, .png, .jpg",
+        }),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::space::SpaceRecord;
 use super::{Asked, Made};
-use crate::cli::{ExactArg, StoryboardArgs};
+use crate::cli::{EngineArg, ExactArg, StoryboardArgs};
 use crate::commands::certificate::CertificateRecord;
 use crate::commands::generate::Model;
 use crate::preview::Figure;
@@ -12,8 +12,8 @@ use crate::span::seconds;
 use inkrig_generate::measures::{jerk, peak_jerk, skating};
 use inkrig_motion::humanml::{Joints, NAMES};
 use inkrig_motion::{Clip, kinematics};
-use inkrig_sketch::storyboard::End;
-use inkrig_storyboard::{Animation, Goal, Source, misses};
+use inkrig_sketch::storyboard::{End, Sides};
+use inkrig_storyboard::{Animation, Goal, Retrieved, Source, misses};
 use serde::Serialize;
 
 /// What `--report` and `--json` hold; the names are stable. Lengths are metres.
@@ -26,6 +26,7 @@ pub(super) struct Record {
     licence: String,
     seed: u64,
     exact: &'static str,
+    engine: &'static str,
     output: String,
     seconds: f64,
     frame_rate: f64,
@@ -39,6 +40,9 @@ pub(super) struct Record {
     peak_jerk: f64,
     /// How exact it is on a character, where one was given.
     certificate: Option<CertificateRecord>,
+    /// The same storyboard by each engine, where several were asked.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    engines: Vec<EngineRecord>,
     pub(super) warnings: Vec<String>,
 }
 
@@ -53,6 +57,9 @@ pub(in crate::commands) struct Part {
     pub(in crate::commands) key_frame: Option<usize>,
     /// What was read of the figure, on the canvas.
     pub(in crate::commands) joints: Vec<Joint>,
+    /// How left and right may be told, the likeliest first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    sides: Vec<SideRecord>,
     pub(in crate::commands) trajectories: Vec<WayRecord>,
     candidate: usize,
     evaluations: usize,
@@ -67,6 +74,107 @@ pub(in crate::commands) struct Part {
     /// What was said in space, and where the clip is.
     #[serde(flatten)]
     pub(in crate::commands) space: SpaceRecord,
+    /// Where it is from, where it is from an example.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    example: Option<ExampleRecord>,
+}
+
+/// One way to tell left from right.
+#[derive(Serialize)]
+struct SideRecord {
+    name: &'static str,
+    /// What the frame says for it.
+    sides: Sides,
+    /// How likely the reader takes it to be.
+    share: f32,
+}
+
+/// Where a frame's motion is from.
+#[derive(Debug, Serialize)]
+pub(super) struct ExampleRecord {
+    name: String,
+    /// From and to, seconds of the example.
+    seconds: [f64; 2],
+    /// How far its word, way and pose are from what was asked for: see docs/storyboard.md.
+    word: f32,
+    path: Option<f32>,
+    pose: Option<f32>,
+    /// `window` (as it is), or `aligned` (arranged anew).
+    arranged: &'static str,
+}
+
+impl ExampleRecord {
+    pub(super) fn of(retrieved: &Retrieved) -> Self {
+        let Retrieved { example, seconds, word, path, pose, aligned } = retrieved.clone();
+        let arranged = if aligned { "aligned" } else { "window" };
+        Self { name: example, seconds, word, path, pose, arranged }
+    }
+
+    pub(super) fn text(&self) -> String {
+        let [from, to] = self.seconds.map(|seconds| fixed(seconds, 1));
+        format!("{}, {from} to {to} s, {}", printable::text(&self.name), self.arranged)
+    }
+}
+
+/// A storyboard by one engine.
+#[derive(Serialize)]
+pub(super) struct EngineRecord {
+    pub(super) engine: &'static str,
+    /// What it took.
+    pub(super) seconds: f64,
+    pub(super) skating: f64,
+    /// Metres per frame^3.
+    pub(super) peak_jerk: f64,
+    /// Mean and largest distance on the picture of each frame, as made, metres.
+    pub(super) sampled: Vec<[f32; 2]>,
+    /// The same in the animation.
+    pub(super) result: Vec<[f32; 2]>,
+}
+
+impl EngineRecord {
+    pub(super) fn of(engine: EngineArg, seconds: f64, made: &Made) -> Self {
+        let motion = poses(&made.animation.clip);
+        Self {
+            engine: engine_name(engine),
+            seconds,
+            skating: skating(&motion).ratio,
+            peak_jerk: peak_jerk(&jerk(&motion)),
+            sampled: made.clips.iter().map(|clip| [clip.error, clip.worst]).collect(),
+            result: made.animation.goals.iter().map(|goals| misses(&motion, goals)).collect(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let frames: Vec<String> = self
+            .result
+            .iter()
+            .map(|misses| misses.map(|miss| fixed(100.0 * f64::from(miss), 1)).join("/"))
+            .collect();
+        format!(
+            "  {:8} {:>6} s, feet slide {:>3} %, jerk {}, cm off (mean/most) {}",
+            self.engine,
+            fixed(self.seconds, 1),
+            fixed(100.0 * self.skating, 0),
+            fixed(self.peak_jerk, 3),
+            frames.join(", ")
+        )
+    }
+}
+
+pub(super) fn exact_name(exact: ExactArg) -> &'static str {
+    match exact {
+        ExactArg::Off => "off",
+        ExactArg::Soft => "soft",
+        ExactArg::Pin => "pin",
+    }
+}
+
+pub(super) fn engine_name(engine: EngineArg) -> &'static str {
+    match engine {
+        EngineArg::Learned => "learned",
+        EngineArg::Example => "example",
+        EngineArg::Both => "both",
+    }
 }
 
 #[derive(Serialize)]
@@ -106,11 +214,8 @@ impl Record {
             model_sha256: model.header.sha256.clone(),
             licence: model.header.licence.clone(),
             seed: args.seed,
-            exact: match args.exact {
-                ExactArg::Off => "off",
-                ExactArg::Soft => "soft",
-                ExactArg::Pin => "pin",
-            },
+            exact: exact_name(args.exact),
+            engine: engine_name(args.engine),
             output: json_path(&args.out),
             seconds: seconds(whole),
             frame_rate: whole.frame_rate(),
@@ -120,8 +225,17 @@ impl Record {
             skating: skating(&motion).ratio,
             peak_jerk: peak_jerk(&jerk(&motion)),
             certificate,
+            engines: Vec::new(),
             warnings,
         }
+    }
+
+    /// What is known of examples, and of other engines.
+    pub(super) fn add_engines(&mut self, retrieved: &[Retrieved], engines: Vec<EngineRecord>) {
+        for (part, retrieved) in self.parts.iter_mut().zip(retrieved) {
+            part.example = Some(ExampleRecord::of(retrieved));
+        }
+        self.engines = engines;
     }
 
     /// For the page.
@@ -172,6 +286,13 @@ impl Record {
                 text += &format!("; {mean} cm off the drawing, {most} at most");
             }
             text += &part.space.text();
+            if let Some(example) = &part.example {
+                text += &format!("; from {}", example.text());
+            }
+        }
+        for engine in &self.engines {
+            text += "\n";
+            text += &engine.text();
         }
         if let Some(certificate) = &self.certificate {
             text += "\n";
@@ -236,6 +357,12 @@ pub(in crate::commands) fn parts(
             frames: clip.plan.frames,
             key_frame: clip.plan.keypose.as_ref().map(|(frame, _)| *frame),
             joints: joints.collect(),
+            sides: frame
+                .figure
+                .iter()
+                .flat_map(|figure| &figure.alternatives)
+                .map(|own| SideRecord { name: own.name(), sides: own.sides, share: own.share })
+                .collect(),
             trajectories: trajectories.collect(),
             candidate: clip.candidate,
             evaluations: clip.evaluations,
@@ -244,6 +371,7 @@ pub(in crate::commands) fn parts(
             proportioned: moved.poses,
             ways_moved: moved.ways,
             space,
+            example: None,
         });
     }
     parts
