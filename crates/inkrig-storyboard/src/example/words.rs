@@ -17,6 +17,23 @@ const OF_ANIMALS: [(&str, &str); 12] = [
     ("rest", "stand"),
     ("strike", "attack"),
 ];
+/// Words that make another movement of a clip than its verb alone, and how much one counts that was not asked for.
+const MANNERS: &[&str] = &[
+    "back",
+    "backward",
+    "backwards",
+    "left",
+    "right",
+    "sideways",
+    "strafe",
+    "crouch",
+    "crouched",
+    "injured",
+    "start",
+    "stop",
+    "end",
+];
+const OTHER_MANNER: f32 = 0.15;
 /// Ways of going: for one of them another is better than none.
 const GOING: [&str; 9] = ["walk", "run", "jog", "march", "sneak", "step", "limp", "skip", "crawl"];
 
@@ -26,13 +43,16 @@ pub(super) fn distance(word: &str, said: &str) -> f32 {
     if asked.is_empty() {
         return 0.0;
     }
+    let has = |words: &[String], manner: &str| words.iter().any(|own| own == manner);
+    let other = MANNERS.iter().any(|manner| has(&known, manner) && !has(&asked, manner));
+    let other = if other { OTHER_MANNER } else { 0.0 };
     if asked.iter().all(|own| known.iter().any(|other| alike(own, other))) {
-        return 0.0;
+        return other;
     }
     let (wanted, has) = (actions(&asked), actions(&known));
     let common = wanted.iter().filter(|verb| has.contains(verb)).count();
     if common > 0 {
-        return 0.1 + 0.4 * (wanted.len() - common) as f32 / wanted.len() as f32;
+        return 0.1 + 0.4 * (wanted.len() - common) as f32 / wanted.len() as f32 + other;
     }
     let goes = |verbs: &[&str]| verbs.iter().any(|verb| GOING.contains(verb));
     if goes(&wanted) && goes(&has) { 0.6 } else { 1.0 }
@@ -92,6 +112,8 @@ mod tests {
         assert!(distance("sprint", "run fast") < 0.5);
         assert!(distance("run", "walk") > distance("run", "gallop"));
         assert_eq!(distance("kick", "walk"), 1.0);
+        assert!(distance("walk", "Walking_Backwards") > distance("walk", "Walking_A"));
+        assert_eq!(distance("walk backwards", "Walking_Backwards"), 0.0);
         assert!(distance("walk and wave", "walk") < 0.6);
     }
 }

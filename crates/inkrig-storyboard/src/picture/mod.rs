@@ -19,7 +19,7 @@ const ALONE: usize = 3;
 /// The paper is as bright as this share of all pixels.
 const PAPER: f32 = 0.9;
 /// A way that ends so near to another's middle meets it, pixels.
-const MEETS: f64 = 8.0;
+const MEETS: f64 = 16.0;
 /// Specks of fewer pixels are dirt.
 const SPECK: usize = 14;
 

@@ -31,7 +31,7 @@ docs/storyboard.md says how storyboards are drawn and written."#;
 /// Arguments of `inkrig storyboard`.
 #[derive(Debug, Args)]
 pub struct StoryboardArgs {
-    /// The storyboard: .json, .svg with layers or colours, or a page as .png
+    /// The storyboard: .json, .svg with layers or colours, or a page as .png or .jpg
     #[arg(value_name = "BOARD", value_hint = ValueHint::FilePath)]
     pub board: PathBuf,
     /// The file to write: .bvh, .glb, .fbx, .usda, .vrma

@@ -131,6 +131,64 @@ fn a_joint_is_put_in_space_and_ends_can_be_kept() {
     }
 }
 
+const TROT: &str = r#"{"inkrig_storyboard": 1, "frames": [{"word": "trot", "trajectories": [{"points": [[0,0,0],[60,10,1],[100,50,2],[110,90,3]]}]}]}"#;
+
+/// A folder of one sample, and words for it.
+fn clips(folder: &std::path::Path, name: &str, file: &str) {
+    let place = folder.join(name);
+    std::fs::create_dir_all(&place).unwrap();
+    std::fs::write(place.join(file), inkrig::samples::find(file).unwrap().bytes).unwrap();
+    std::fs::write(place.join("words.csv"), format!("file,words\n{file},trot gallop\n")).unwrap();
+}
+
+#[test]
+fn an_animal_is_animated_from_its_own_clips() {
+    let (_keep, folder) = desk();
+    std::fs::write(folder.join("trot.json"), TROT).unwrap();
+    clips(&folder, "hound", "quadruped.bvh");
+    let ask = [
+        "storyboard",
+        "trot.json",
+        "--engine",
+        "example",
+        "--examples",
+        "hound",
+        "-o",
+        "trot.bvh",
+        "--exact",
+        "pin",
+    ];
+    let more = ["--report", "r.json", "--sheet", "trot.png", "--video", "trot.gif"];
+    let output = inkrig(&folder, &[&ask[..], &more[..]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("from quadruped"), "{}", text(&output.stdout));
+    let report: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.join("r.json")).unwrap()).unwrap();
+    let part = &report["parts"][0];
+    assert_eq!((&part["example"]["word"], &report["engine"]), (&0.0.into(), &"example".into()));
+    assert!(part["result"][1].as_f64().unwrap() < 1e-3, "{part}");
+    let gif = std::fs::read(folder.join("trot.gif")).unwrap();
+    assert!(gif.starts_with(b"GIF89a") && gif.last() == Some(&0x3b) && gif.len() < 1 << 20, "{}", gif.len());
+    // The same again, byte for byte, by the record.
+    let output = inkrig(&folder, &["redo", "trot.bvh.inkrig.json", "--check"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    for (more, said) in [
+        (["--engine", "both"], "--engine both does nothing"),
+        (["--preview", "p.html"], "--preview does nothing"),
+    ] {
+        let output = inkrig(
+            &folder,
+            &[
+                &["storyboard", "trot.json", "--examples", "hound", "-o", "x.bvh"][..],
+                &more[..],
+                if more[0] == "--engine" { &[][..] } else { &["--engine", "example"][..] },
+            ]
+            .concat(),
+        );
+        assert!(!output.status.success() && text(&output.stderr).contains(said), "{}", text(&output.stderr));
+    }
+}
+
 #[test]
 fn constraints_are_told_one_by_one() {
     let (_keep, folder) = desk();
@@ -157,4 +215,86 @@ fn constraints_are_told_one_by_one() {
     assert!(output.status.code() == Some(1) && said.contains("mfromthemotion"), "{said}");
     let soft = report(&folder, "held", &[]);
     assert!(soft["warnings"].to_string().contains("--exact pin keeps it"), "{soft}");
+}
+
+#[test]
+fn engines_are_compared_and_what_does_not_go_together_is_said() {
+    let (_keep, folder) = desk();
+    clips(&folder, "people", "person.bvh");
+    let ask = ["storyboard", "kick.json", "-o", "kick.bvh", "--candidates", "1", "--guide-every", "25"];
+    let both = ["--engine", "both", "--examples", "people", "--report", "r.json"];
+    let output = inkrig(&folder, &[&ask[..], &both[..]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let report: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.join("r.json")).unwrap()).unwrap();
+    let engines: Vec<&str> =
+        report["engines"].as_array().unwrap().iter().map(|own| own["engine"].as_str().unwrap()).collect();
+    assert_eq!(engines, ["learned", "example", "both"]);
+    let results: Vec<f64> =
+        (0..3).map(|at| report["engines"][at]["result"][0][0].as_f64().unwrap()).collect();
+    assert!(results.iter().all(|own| *own < 0.3) && results[0] != results[2], "{results:?}");
+    assert_eq!(report["parts"][0]["result"][0].as_f64(), Some(results[2]), "what is written is that of both");
+    assert_eq!(report["parts"][0]["sides"].as_array().map(Vec::len), Some(4));
+    for (more, said) in [
+        (&["--engine", "example"][..], "need clips"),
+        (&["--examples", "people"], "--engine learned"),
+        (&["--video", "kick.webm"], "moving pictures are .gif"),
+        (&["--engine", "both", "--examples", "people", "--steps", "2"], "does nothing with --steps"),
+    ] {
+        let output = inkrig(&folder, &[&["storyboard", "kick.json", "-o", "new.bvh"][..], more].concat());
+        assert!(!output.status.success(), "{more:?}");
+        assert!(text(&output.stderr).contains(said), "{more:?}: {}", text(&output.stderr));
+    }
+    assert!(!folder.join("new.bvh").exists());
+}
+
+/// From the drawing to somebody else's character, where that is there: limbs, trunk, knees and elbows, feet, ground.
+#[test]
+fn a_drawn_walk_and_wave_is_certified_on_a_character() {
+    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
+    let shared = std::env::var_os("INKRIG_REFERENCE").map_or_else(|| beside.into(), std::path::PathBuf::from);
+    let character = shared.join("data/creatures/human-model.glb");
+    if !character.is_file() {
+        assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "{}", character.display());
+        println!("skipped: no reference data at {}", character.display());
+        return;
+    }
+    let (_keep, folder) = desk();
+    for name in ["walk-and-wave", "turn-and-run"] {
+        let file = format!("{name}.json");
+        std::fs::write(folder.join(&file), inkrig::samples::find(&file).unwrap().bytes).unwrap();
+        let character = character.to_string_lossy();
+        let out = format!("{name}.glb");
+        let ask = [
+            "storyboard",
+            &file,
+            "--exact",
+            "pin",
+            "--onto",
+            &character,
+            "-o",
+            &out,
+            "--report",
+            "r.json",
+            "--force",
+        ];
+        let output = inkrig(&folder, &ask);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let report: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(folder.join("r.json")).unwrap()).unwrap();
+        let certificate = &report["certificate"];
+        println!(
+            "{name}: limbs {} degrees, trunk {}, feet slide {} mm, sink {} mm",
+            certificate["direction_degrees"]["p95"],
+            certificate["trunk_degrees"]["p95"],
+            certificate["slide_mm"]["max"],
+            certificate["below_ground_mm"]["max"]
+        );
+        assert_eq!(certificate["verdict"], "pass", "{certificate}");
+        assert_eq!(certificate["broken"].as_array().map(Vec::len), Some(0));
+        let pairs = certificate["pairs"].as_array().unwrap().len();
+        assert!(pairs > 15 && report["parts"][0]["result"][1].as_f64().unwrap() < 0.02, "{pairs}");
+        let own = inkrig(&folder, &["inspect", &out]);
+        assert!(own.status.success(), "{}", text(&own.stderr));
+    }
 }
