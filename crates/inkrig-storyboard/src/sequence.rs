@@ -36,6 +36,8 @@ pub struct Transition {
     pub frames: Range<usize>,
     /// How many of them were put between the clips.
     pub inserted: usize,
+    /// Decodings with their gradient that the model's guidance took.
+    pub evaluations: usize,
 }
 
 /// What makes transitions natural.
@@ -92,6 +94,9 @@ pub(crate) fn sequence_of(
                 let blended = blend(sampler, text, first, second, &options).map_err(failed)?;
                 let from = frames.start.saturating_sub(AROUND);
                 joined.put(&frames, &blended.motion, from);
+                if let Some(transition) = joined.transitions.last_mut() {
+                    transition.evaluations = blended.guided.iter().map(|step| step.evaluations).sum();
+                }
             }
         }
     }
@@ -136,7 +141,7 @@ impl Joined {
         self.motion.extend(placed.iter().map(|pose| pose.map(|place| place + by)));
         let frames = start - inserted - tail..start + head;
         self.bridge(&frames);
-        self.transitions.push(Transition { frames, inserted });
+        self.transitions.push(Transition { frames, inserted, evaluations: 0 });
     }
 
     /// Cubics over some frames, with the speeds around them.
@@ -237,9 +242,9 @@ mod tests {
     fn transitions_leave_alone_what_was_asked_for() {
         let clips = [clip(40, 0.05, &[0, 39]), clip(40, 0.05, &[0, 35]), clip(40, 0.05, &[30])];
         let joined = sequence(&clips, None).unwrap();
-        assert_eq!(joined.transitions[0], Transition { frames: 40..52, inserted: 12 });
+        assert_eq!(joined.transitions[0], Transition { frames: 40..52, inserted: 12, evaluations: 0 });
         assert_eq!(joined.starts, [0, 52, 92]);
-        assert_eq!(joined.transitions[1], Transition { frames: 88..102, inserted: 0 });
+        assert_eq!(joined.transitions[1], Transition { frames: 88..102, inserted: 0, evaluations: 0 });
         assert_eq!(joined.motion.len(), 132);
         // All go straight on at one speed, and so does the whole.
         for (at, pair) in joined.motion.windows(2).enumerate() {

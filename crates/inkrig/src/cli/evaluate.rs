@@ -16,7 +16,9 @@ Examples:
   inkrig evaluate control --model model.safetensors --corpus corpus --windows 40 --json > control.json
       the same of fewer clips, as JSON
   inkrig evaluate storyboard --corpus corpus
-      rough drawings of held-out clips as storyboards: what comes of them, with --exact off, soft and pin";
+      rough drawings of held-out clips as storyboards: what comes of them, with --exact off, soft and pin
+  inkrig evaluate blending --corpus corpus
+      how smooth transitions between held-out clips are, and how much guidance each takes";
 
 /// Arguments of `inkrig evaluate`.
 #[derive(Debug, Args)]
@@ -38,6 +40,9 @@ pub enum EvaluateCommand {
     /// How near motions of rough storyboards come to the clips that these were drawn of
     #[command(after_help = EXAMPLES)]
     Storyboard(EvaluateStoryboardArgs),
+    /// How smooth transitions between clips are, by how much guidance they were given
+    #[command(after_help = EXAMPLES)]
+    Blending(EvaluateBlendingArgs),
     /// How well clips survive the autoencoder, subject by subject
     #[command(after_help = EXAMPLES)]
     Reconstruction {
@@ -67,6 +72,23 @@ pub enum EvaluateCommand {
         #[arg(long, default_value_t = 0)]
         seed: u64,
     },
+}
+
+/// Arguments of `inkrig evaluate blending`.
+#[derive(Debug, Args)]
+pub struct EvaluateBlendingArgs {
+    /// The corpus, made by inkrig data build
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub corpus: PathBuf,
+    /// The model file [default: the one that INKRIG_MODEL names, else the one that comes with inkrig]
+    #[arg(long, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
+    pub model: Option<PathBuf>,
+    /// Whose clips are put end to end
+    #[arg(long, default_value = "test")]
+    pub split: SplitArg,
+    /// How many pairs, spread over all clips
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub pairs: u16,
 }
 
 /// Arguments of `inkrig evaluate storyboard`.

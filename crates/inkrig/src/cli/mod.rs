@@ -25,7 +25,8 @@ pub use bench::{BenchAlignArgs, BenchArgs, BenchCommand};
 pub use convert::{ConvertArgs, ToArg};
 pub use data::{CorpusArgs, DataArgs, DataCommand};
 pub use evaluate::{
-    EvaluateArgs, EvaluateCommand, EvaluateOnArgs, EvaluateStoryboardArgs, JointsArg, SplitArg,
+    EvaluateArgs, EvaluateBlendingArgs, EvaluateCommand, EvaluateOnArgs, EvaluateStoryboardArgs, JointsArg,
+    SplitArg,
 };
 pub use evaluate_readers::{EvaluateSketchArgs, EvaluateWordArgs};
 pub use generate::{GenerateArgs, GroundArg, GuidanceArg, StartArg, StepsArg};

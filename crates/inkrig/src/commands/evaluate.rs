@@ -1,5 +1,6 @@
 //! `inkrig evaluate`: how good a model is, on clips that it never saw.
 
+mod blending;
 mod readers;
 mod storyboard;
 
@@ -25,6 +26,7 @@ pub(super) fn run(args: &EvaluateArgs, console: &Console) -> Result<(), CliError
     match &args.command {
         EvaluateCommand::Sketch(args) => readers::sketch(args, console),
         EvaluateCommand::Word(args) => readers::word(args, console),
+        EvaluateCommand::Blending(args) => blending::run(args, console),
         EvaluateCommand::Storyboard(args) => storyboard::run(args, console),
         EvaluateCommand::Reconstruction { on } => {
             let model = Opened::of(&on.model)?;
