@@ -151,9 +151,13 @@ function start(session: Session): void {
       stage.showSource(beside ?? session.source.value.parts[0]?.motion ?? null);
       seek();
     };
-    session.source.watch(() => {
+    let skeleton = '';
+    session.source.watch(({ parts }) => {
       compare();
-      stage.frame();
+      const before = skeleton;
+      skeleton = parts[0]?.motion.body.names.join(' ') ?? '';
+      // Whoever turned the camera keeps it while frames are made anew.
+      if (controls.kind.value !== 'storyboard' || skeleton !== before) stage.frame();
     });
     ui.beside.subscribe(async (id) => {
       const motion = id ? (await session.clip(id)).motion : null;
@@ -217,6 +221,11 @@ function start(session: Session): void {
       const place = part ? board.placeOf(part) : -1;
       if (!part || place < 0 || board.running) {
         ui.said.value = board.running ? 'The animation is being made' : between;
+        return;
+      }
+      const frame = board.file.value.frames[place];
+      if (frame && !board.told(frame)) {
+        ui.said.value = 'The frame was drawn anew: generate it first';
         return;
       }
       const [dx, dy, dz] = [x - part.shift[0], y - part.shift[1], z - part.shift[2]];

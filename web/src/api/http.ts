@@ -43,8 +43,8 @@ export async function upload<T>(path: string, file: Blob): Promise<T> {
   return (await answer(path, { method: 'POST', headers, body: file })).json() as Promise<T>;
 }
 
-export async function remove(path: string): Promise<void> {
-  await answer(path, { method: 'DELETE', headers: { 'Content-Type': 'application/json' } });
+export async function remove<T>(path: string): Promise<T> {
+  return (await answer(path, { method: 'DELETE', headers: { 'Content-Type': 'application/json' } })).json() as Promise<T>;
 }
 
 async function answer(path: string, init: RequestInit): Promise<Response> {

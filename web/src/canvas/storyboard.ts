@@ -117,7 +117,7 @@ export class StoryboardCanvas {
   #erase({ x, y }: PenSample): void {
     const frame = this.#rest;
     if (!frame) return;
-    const pin = (frame.pins ?? []).find(({ at: [u, v] }) => Math.hypot(toPixels(this.#view, u, v)[0] - x, toPixels(this.#view, u, v)[1] - y) < NEAR);
+    const pin = (this.shows.value ? (frame.pins ?? []) : []).find(({ at: [u, v] }) => Math.hypot(toPixels(this.#view, u, v)[0] - x, toPixels(this.#view, u, v)[1] - y) < NEAR);
     if (pin) {
       this.#rest = { ...frame, pins: (frame.pins ?? []).filter((other) => other !== pin) };
       return;

@@ -42,7 +42,7 @@ export class Joints {
     readonly draw: () => void,
     readonly say: (text: string) => void,
   ) {
-    story.chosen.subscribe(() => (this.#chosen = null));
+    story.chosen.subscribe(() => (this.#chosen = this.#moved = null));
   }
 
   /** Takes hold of the joint under a place, in CSS pixels; whether there is one. */

@@ -82,6 +82,7 @@ export class Session {
       problem: (problem) => (this.problem.value = problem),
     });
     this.store.document.watch(() => void this.#sourceChanged());
+    this.store.document.subscribe((document) => this.#forget(document));
     this.store.document.subscribe(({ control }) => {
       // The drawing was cleared, or undone.
       if (control === null && this.result.value) this.#showClip();
@@ -108,6 +109,13 @@ export class Session {
     this.#rigs.set(id, loaded);
     this.clips.value = new Map(this.clips.value).set(id, clip);
     return loaded;
+  }
+
+  /** Clips that the document no longer has. */
+  #forget({ clips, source }: Document): void {
+    const had = new Set([...clips.map(({ id }) => id), ...source.clips]);
+    for (const id of [...this.#rigs.keys()]) if (!had.has(id)) this.#rigs.delete(id);
+    if ([...this.clips.value.keys()].some((id) => !had.has(id))) this.clips.value = new Map([...this.clips.value].filter(([id]) => had.has(id)));
   }
 
   /** Remembers when the pen was where a message says, to tell how long its poses took. */

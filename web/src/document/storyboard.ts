@@ -29,9 +29,15 @@ export class Storyboard {
   exact: Exactness = 'soft';
   /** By the frame as it was drawn: undo finds it again. */
   readonly #told = new WeakMap<BoardFrame, Told>();
+  /** What a frame is, however it is changed or moved; and of which one a part of the animation is. */
+  readonly #selves = new WeakMap<BoardFrame, object>();
+  readonly #madeOf = new WeakMap<MadeFrame, object>();
   #past: BoardFile[] = [];
   #future: BoardFile[] = [];
   #timer = 0;
+  /** What is being kept, and whether a job is asked for and not answered yet. */
+  #keeping: Promise<void> = Promise.resolve();
+  #sending = false;
   /** The frames that the running job is made of. */
   #asked: readonly BoardFrame[] = [];
 
@@ -59,7 +65,7 @@ export class Storyboard {
   }
 
   get running(): boolean {
-    return this.job.value?.state === 'running';
+    return this.#sending || this.job.value?.state === 'running';
   }
 
   /** What is known of a frame: of one that was changed since, what held before. */
@@ -69,7 +75,8 @@ export class Storyboard {
 
   /** Which frame, from 0, a part of the animation is of; -1 where it is gone. */
   placeOf(made: MadeFrame): number {
-    return this.file.value.frames.findIndex((frame) => this.#told.get(frame)?.made === made);
+    const self = this.#madeOf.get(made);
+    return self ? this.file.value.frames.findIndex((frame) => this.#selves.get(frame) === self) : -1;
   }
 
   /** One step of undo. */
@@ -81,7 +88,9 @@ export class Storyboard {
 
   change(what: Partial<BoardFrame>): void {
     const before = this.frame;
-    const after = { ...before, ...what };
+    // Of another figure come other motions.
+    const after = { ...before, ...('body' in what ? { take: undefined } : {}), ...what };
+    this.#selves.set(after, this.#self(before));
     const told = this.#told.get(before);
     // Of another figure nothing is known.
     if (told && !('body' in what)) this.#told.set(after, { ...told, still: false });
@@ -111,7 +120,7 @@ export class Storyboard {
     // A copy gets motions of its own: nothing was chosen or moved of these.
     const fresh: BoardFrame = copy ? { ...this.frame, number: undefined, take: undefined, edits: undefined } : {};
     const told = this.told();
-    if (copy && told) this.#told.set(fresh, { ...told, still: false });
+    if (copy && told) this.#told.set(fresh, { made: { ...told.made, begins: null, pose: [], takes: [] }, still: false });
     this.#arrange([...frames.slice(0, at + 1), fresh, ...frames.slice(at + 1)], at + 1);
   }
 
@@ -153,21 +162,27 @@ export class Storyboard {
     if (this.running) return;
     clearTimeout(this.#timer);
     this.problem.value = null;
-    const { file } = this;
-    this.#asked = file.value.frames;
+    const file = this.file.value;
+    const query = `exact=${this.exact}${only ? `&frame=${this.chosen.value + 1}` : ''}`;
+    this.#asked = file.frames;
+    this.#sending = true;
     try {
-      const job = await post<JobState>(`storyboard?exact=${this.exact}${only ? `&frame=${this.chosen.value + 1}` : ''}`, file.value);
+      await this.#keeping;
+      const job = await post<JobState>(`storyboard?${query}`, file);
+      this.#sending = false;
       // The stream of news may have been quicker.
       if (this.job.value?.id !== job.id) this.job.value = job;
-      this.saved.value = true;
+      if (this.file.value === file) this.saved.value = true;
     } catch (error) {
+      this.#sending = false;
       this.problem.value = said(error);
     }
   }
 
   /** Takes another motion for the chosen frame, and shows it. */
   take(number: number): void {
-    if (!this.running && number !== (this.frame.take ?? 0)) this.#apply({ take: number });
+    // What was moved was moved of the other one.
+    if (number !== (this.frame.take ?? 0)) this.#apply({ take: number, edits: undefined });
   }
 
   /** Moves a joint of the chosen frame's motion, and shows that. */
@@ -178,6 +193,7 @@ export class Storyboard {
 
   /** Changes what no motion is sampled for: it is shown at once, with the whole where nothing else waits to be made. */
   #apply(what: Partial<BoardFrame>): void {
+    if (this.running) return;
     const others = this.file.value.frames.every((frame, i) => i === this.chosen.value || this.told(frame)?.still);
     this.change(what);
     void this.make(!others);
@@ -189,10 +205,14 @@ export class Storyboard {
   }
 
   async cancel(): Promise<void> {
-    const id = this.job.value?.id;
-    if (id && this.running) await remove(`jobs/${id}`).catch((error: unknown) => (this.problem.value = said(error)));
     const job = this.job.value;
-    if (job && job.id === id && job.state === 'running') this.job.value = { ...job, state: 'cancelled' };
+    if (job?.state !== 'running') return;
+    try {
+      // It may have been done before it could be stopped.
+      await this.follow(await remove<JobState>(`jobs/${job.id}`));
+    } catch (error) {
+      this.problem.value = said(error);
+    }
   }
 
   /** News of a job, from the stream. */
@@ -200,6 +220,7 @@ export class Storyboard {
     const before = this.job.value;
     // What was stopped here stays stopped, whatever is still on its way.
     if (before?.id === job.id && before.state !== 'running') return;
+    if (before?.id !== job.id) this.#sending = false;
     this.job.value = job;
     if (job.state === 'failed') this.problem.value = job.error;
     if (job.state !== 'done') return;
@@ -210,14 +231,25 @@ export class Storyboard {
   }
 
   #tell(frame: BoardFrame | undefined, made: MadeFrame, still = true): void {
-    if (frame) this.#told.set(frame, { made, still });
+    if (!frame) return;
+    this.#told.set(frame, { made, still });
+    this.#madeOf.set(made, this.#self(frame));
+  }
+
+  #self(frame: BoardFrame): object {
+    const self = this.#selves.get(frame) ?? {};
+    this.#selves.set(frame, self);
+    return self;
   }
 
   /** Frames in another order, each with the motions that it had. */
   #arrange(frames: readonly BoardFrame[], chosen: number): void {
     const fresh = numbered(this.file.value.frames, frames);
     fresh.forEach((frame, i) => {
-      const told = frames[i] && this.#told.get(frames[i]);
+      const before = frames[i];
+      if (!before) return;
+      this.#selves.set(frame, this.#self(before));
+      const told = this.#told.get(before);
       if (told) this.#told.set(frame, told);
     });
     this.edit(fresh, chosen);
@@ -229,12 +261,13 @@ export class Storyboard {
     this.chosen.value = at;
     this.saved.value = false;
     clearTimeout(this.#timer);
-    this.#timer = window.setTimeout(() => void this.#keep(file), REST);
+    this.#timer = window.setTimeout(() => (this.#keeping = this.#keep(file)), REST);
   }
 
   async #keep(file: BoardFile): Promise<void> {
     try {
       await put('storyboard', file);
+      this.problem.value = null;
       if (this.file.value === file) this.saved.value = true;
     } catch (error) {
       this.problem.value = said(error);

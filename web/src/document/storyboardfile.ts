@@ -13,6 +13,7 @@ export interface BoardFrame {
   readonly scene?: readonly Line[];
   readonly pins?: readonly Pin[];
   readonly edits?: readonly Edit[] | undefined;
+  readonly constraints?: readonly Constraint[] | undefined;
   readonly lock_ends?: boolean;
   readonly camera?: BoardCamera;
   readonly seconds?: number | undefined;
@@ -41,6 +42,13 @@ export interface Edit {
   readonly at: readonly [number, number, number];
 }
 
+/** What holds in space; whatever else it says stays as it is. */
+export interface Constraint {
+  /** Which stroke of the scene it is set from. */
+  readonly scene?: number;
+  readonly frames?: readonly [number, number];
+}
+
 export interface BoardCamera {
   readonly pitch_degrees?: number;
   readonly yaw_degrees?: number;
@@ -52,6 +60,8 @@ export interface BoardFile {
   readonly frames: readonly BoardFrame[];
 }
 
+/** Frames of the motion in a second. */
+const RATE = 20;
 /** The three-quarter view of frames that do not say one. */
 export const CAMERA = { pitch_degrees: 20, yaw_degrees: 30 } as const;
 
@@ -66,7 +76,18 @@ export function without(frame: BoardFrame, ink: Ink, at: number): Partial<BoardF
   const rest = <T>(list: readonly T[] | undefined) => (list ?? []).filter((_, i) => i !== at);
   if (ink === 'trajectory') return { trajectories: rest(frame.trajectories) };
   if (ink === 'speed') return { speed_lines: rest(frame.speed_lines) };
-  return { [ink]: rest(frame[ink]) };
+  if (ink !== 'scene' || !frame.constraints) return { [ink]: rest(frame[ink]) };
+  const constraints = frame.constraints.filter(({ scene }) => scene !== at).map((one) => (one.scene !== undefined && one.scene > at ? { ...one, scene: one.scene - 1 } : one));
+  return { scene: rest(frame.scene), constraints };
+}
+
+/** The frame so long, without what lies behind its end. */
+export function lasting(frame: BoardFrame, seconds: number | undefined): Partial<BoardFrame> {
+  if (seconds === undefined) return { seconds };
+  const count = Math.max(Math.round(seconds * RATE), 2);
+  const edits = frame.edits?.filter((edit) => edit.frame < count);
+  const constraints = frame.constraints?.filter(({ frames }) => !frames || frames[0] < count).map((one): Constraint => (one.frames && one.frames[1] >= count ? { ...one, frames: [one.frames[0], count - 1] } : one));
+  return { seconds, ...(edits ? { edits } : {}), ...(constraints ? { constraints } : {}) };
 }
 
 /**

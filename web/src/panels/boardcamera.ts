@@ -3,7 +3,7 @@ import { fit, h, painter } from '../base/dom';
 import { clamp } from '../base/maths';
 import { theme } from '../base/theme';
 import type { Storyboard } from '../document/storyboard';
-import { CAMERA } from '../document/storyboardfile';
+import { CAMERA, lasting } from '../document/storyboardfile';
 
 /** Degrees that a drag of a CSS pixel turns. */
 const TURN = 1.5;
@@ -41,7 +41,7 @@ export function boardCamera(story: Storyboard): HTMLElement {
   yaw.addEventListener('change', view);
   seconds.addEventListener('change', () => {
     const value = seconds.value === '' ? undefined : clamp(Number(seconds.value) || 0, 0.1, 60);
-    if (value !== story.frame.seconds) story.change({ seconds: value });
+    if (value !== story.frame.seconds) story.change(lasting(story.frame, value));
     seconds.value = String(value ?? '');
   });
   canvas.addEventListener('pointerdown', (event) => {

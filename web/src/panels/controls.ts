@@ -61,6 +61,10 @@ export class Switch {
   set value(on: boolean) {
     this.#input.checked = on;
   }
+
+  set disabled(is: boolean) {
+    this.#input.disabled = is;
+  }
 }
 
 export interface SliderOptions {

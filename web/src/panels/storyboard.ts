@@ -146,7 +146,7 @@ export class StoryboardPanel {
       row.hidden = edits.length === 0;
       text.textContent = `${edits.length} ${edits.length === 1 ? 'joint' : 'joints'} moved in 3D`;
       lock.value = lock_ends;
-      none.disabled = story.running;
+      none.disabled = lock.disabled = story.running;
     };
     for (const signal of [story.file, story.chosen, story.job]) signal.subscribe(show);
     show();
@@ -194,9 +194,11 @@ export class StoryboardPanel {
     else if (job?.state === 'cancelled') text = 'Stopped. The animation before it is still there.';
     else if (told) {
       const { made, still } = told;
+      const whole = story.made.value;
+      const now = whole?.frames.includes(made) ?? false;
       const centimetres = (metres: number) => `${(100 * metres).toFixed(1)} cm`;
       const ways = made.ways.length > 0 ? `Way of ${made.ways.map(({ joint }) => joint.replace('_', ' ')).join(', ')}. ` : '';
-      text = `${still ? '' : 'Changed since it was made. '}${ways}${centimetres(made.meanMiss)} off the drawing, ${centimetres(made.worstMiss)} at most. ${made.notes.join(' ')}`;
+      text = `${still && now ? '' : 'Changed since it was made. '}${ways}${centimetres(made.meanMiss)} off the drawing, ${centimetres(made.worstMiss)} at most. ${[...made.notes, ...(now ? (whole?.notes ?? []) : [])].join(' ')}`;
     }
     this.#said.classList.toggle('bad', story.problem.value !== null);
     if (this.#said.textContent !== text) this.#said.textContent = text;

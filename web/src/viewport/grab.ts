@@ -10,7 +10,7 @@ export class Grab {
   /** Names of the joints that can be dragged; none for none. */
   joints: ReadonlySet<string> = new Set();
   readonly #handle = h('i', { class: 'handle', 'aria-hidden': 'true' }, h('b'));
-  #held: { name: string; depth: number; x: number; y: number; moved: boolean } | null = null;
+  #held: { pointer: number; name: string; depth: number; x: number; y: number; dx: number; dy: number; moved: boolean } | null = null;
 
   constructor(
     readonly stage: Stage,
@@ -23,11 +23,16 @@ export class Grab {
     // Before the camera sees them.
     const capture = { capture: true };
     canvas.addEventListener('pointerdown', (event) => {
+      if (this.#held) {
+        event.stopImmediatePropagation();
+        return;
+      }
       const found = event.button === 0 && !event.shiftKey ? this.#near(event) : null;
       if (!found) return;
       event.stopImmediatePropagation();
       canvas.setPointerCapture(event.pointerId);
-      this.#held = { name: found.name, depth: found.depth, x: event.offsetX, y: event.offsetY, moved: false };
+      const [x, y] = [event.offsetX, event.offsetY];
+      this.#held = { pointer: event.pointerId, name: found.name, depth: found.depth, x, y, dx: found.x - x, dy: found.y - y, moved: false };
       begun();
       this.#show(found.name, found.x, found.y, true);
     }, capture);
@@ -41,16 +46,18 @@ export class Grab {
         return;
       }
       event.stopImmediatePropagation();
+      if (event.pointerId !== held.pointer) return;
       held.moved ||= Math.hypot(event.offsetX - held.x, event.offsetY - held.y) > 3;
-      this.#show(held.name, event.offsetX, event.offsetY, true);
+      this.#show(held.name, event.offsetX + held.dx, event.offsetY + held.dy, true);
     }, capture);
     const end = (event: PointerEvent) => {
       const held = this.#held;
       if (!held) return;
       event.stopImmediatePropagation();
+      if (event.pointerId !== held.pointer) return;
       this.#held = null;
       this.#handle.hidden = true;
-      if (held.moved && event.type === 'pointerup') done(held.name, stage.world(event.offsetX, event.offsetY, held.depth));
+      if (held.moved && event.type === 'pointerup') done(held.name, stage.world(event.offsetX + held.dx, event.offsetY + held.dy, held.depth));
     };
     canvas.addEventListener('pointerup', end, capture);
     canvas.addEventListener('pointercancel', end, capture);
@@ -65,6 +72,8 @@ export class Grab {
     motion.body.names.forEach((name, joint) => {
       if (!this.joints.has(name)) return;
       const [x, y, depth] = this.stage.screen([pose[3 * joint] ?? 0, pose[3 * joint + 1] ?? 0, pose[3 * joint + 2] ?? 0]);
+      // Behind the camera.
+      if (depth > 1) return;
       const apart = Math.hypot(x - offsetX, y - offsetY);
       if (apart < least) [found, least] = [{ name, x, y, depth }, apart];
     });
