@@ -110,7 +110,10 @@ impl Studio {
         storyboarder: Option<Arc<dyn Storyboarder>>,
     ) -> Result<Arc<Self>, StudioError> {
         let project = Project::open(folder)?;
-        let boards = Boards::new(storyboarder, threads, project.folder().made());
+        // What was made of a project that was begun anew in the same folder says nothing of this one.
+        let known = |id: &str| project.document().clips.iter().any(|clip| clip.id == id);
+        let made = project.folder().made().filter(|kept| kept.shown().is_none_or(known));
+        let boards = Boards::new(storyboarder, threads, made);
         let (media, events) = (Arc::new(Media::default()), Events::default());
         let solver = Solver::start(project.folder().clone(), media.clone(), events.clone(), threads)?;
         let studio = Self {
@@ -502,7 +505,10 @@ impl Studio {
 fn replace(document: &mut Document, old: &str, fresh: &str) {
     let arranged = &document.source.clips;
     let solved = arranged.iter().any(|id| id == old) && (document.control.is_some() || arranged.len() > 1);
-    let keyed = document.keys.iter().any(|key| key.pose.as_ref().is_some_and(|pose| pose.clip == old));
+    let keyed = document.keys.iter().any(|key| {
+        key.pose.as_ref().is_some_and(|pose| pose.clip == old)
+            || key.fixed.as_ref().is_some_and(|fixed| fixed.clip == old)
+    });
     let place = |id: &str| document.clips.iter().position(|clip| clip.id == id);
     if let (false, false, Some(at), Some(from)) = (solved, keyed, place(old), place(fresh))
         && at != from

@@ -63,6 +63,11 @@ pub(crate) struct KeptBoard {
 }
 
 impl KeptBoard {
+    /// Id of the animation's clip, where there is one.
+    pub(crate) fn shown(&self) -> Option<&str> {
+        self.newest().map(|made| made.clip.as_str())
+    }
+
     /// The animation, where there is one.
     pub(crate) fn newest(&self) -> Option<&BoardMade> {
         Some(&self.made).filter(|made| !made.clip.is_empty())
@@ -229,17 +234,26 @@ impl Boards {
     fn finish(&self, studio: &Studio, id: &str, board: &Storyboard, done: Result<MadeBoard, NotMade>) {
         let mut work = self.lock();
         let before = work.made.clone();
-        let stopped = work.states.iter().any(|state| state.id == id && state.state != JobStatus::Running);
-        let done = if stopped { Err(NotMade::Stopped) } else { done };
+        // One that is no longer remembered was stopped long ago.
+        let going = work.states.iter().any(|state| state.id == id && state.state == JobStatus::Running);
+        let done = if going { done } else { Err(NotMade::Stopped) };
         if done.is_ok() {
             work.finishing = Some(id.to_string());
         }
         drop(work);
         let done = done.and_then(|made| {
             let failed = |error: StudioError| NotMade::Failed(error.to_string());
-            let clip = studio.add_made(&board.title, &made.bvh, &before.made.clip).map_err(failed)?;
-            let kept = before.renewed(id, clip, board, made);
-            studio.project().folder().keep_made(&kept).map_err(failed)?;
+            // A frame that is shown alone does not take the place of the whole.
+            let shown = before.made.frames.iter().filter(|frame| frame.begins.is_some()).count();
+            let part = made.frames.len() < shown.min(board.frames.len());
+            let old = if part { "" } else { before.made.clip.as_str() };
+            let clip = studio.add_made(&board.title, &made.bvh, old).map_err(failed)?;
+            let mut kept = before.renewed(id, clip, board, made);
+            // The project stays free while it is written.
+            let folder = studio.project().folder().clone();
+            if let Err(error) = folder.keep_made(&kept) {
+                kept.made.notes.push(format!("This animation will not be known after a restart: {error}"));
+            }
             Ok(kept)
         });
         let mut work = self.lock();

@@ -9,7 +9,7 @@ use crate::cli::{BlendArg, ExactArg};
 use crate::error::CliError;
 use inkrig_formats::{ExportOptions, Format, HumanBone, write_motion};
 use inkrig_generate::text::{TextEncoder, VERBS};
-use inkrig_motion::humanml::NAMES;
+use inkrig_motion::humanml::{Joints, NAMES};
 use inkrig_sketch::storyboard::Storyboard;
 use inkrig_storyboard::{Generated, StoryboardError, Understood};
 use inkrig_studio::storyboard::{
@@ -76,7 +76,8 @@ impl Boards {
     ) -> Result<MadeBoard, CliError> {
         let path = Path::new("storyboard.json");
         let count = only.map_or(board.frames.len(), |_| 1);
-        let mut tell = |done, frame| watch(BoardProgress { done, total: count + 2, frame, frames: count });
+        let whole = board.frames.len();
+        let mut tell = |done, frame| watch(BoardProgress { done, total: count + 2, frame, frames: whole });
         let stopped =
             || CliError::Storyboard { path: path.into(), cause: Box::new(StoryboardError::Stopped) };
         let mut slot = self.model.lock().unwrap_or_else(PoisonError::into_inner);
@@ -128,7 +129,8 @@ impl Boards {
         let mut notes = Vec::new();
         let parts = parts(&asked, &made, settings.exact, &mut notes);
         let rows = parts.into_iter().zip(&asked).enumerate();
-        let frames = rows.map(|(row, (part, asked))| told(row, part, asked, &made)).collect();
+        let motion = poses(&made.animation.clip);
+        let frames = rows.map(|(row, (part, asked))| told(row, part, asked, &made, &motion)).collect();
         let transitions = made.animation.joined.transitions.iter();
         let transitions = transitions
             .map(|one| MadeTransition { begins: one.frames.start, frames: one.frames.len() })
@@ -178,9 +180,8 @@ impl Loaded {
 }
 
 /// What the page gets of the animation's frame `row`.
-fn told(row: usize, part: Part, asked: &Asked<'_>, made: &Made) -> MadeFrame {
+fn told(row: usize, part: Part, asked: &Asked<'_>, made: &Made, motion: &[Joints]) -> MadeFrame {
     let [mean_miss, worst_miss] = part.result;
-    let motion = poses(&made.animation.clip);
     let joints = part.joints.into_iter().map(|joint| ReadJoint {
         name: joint.name.to_owned(),
         x: joint.x,
@@ -188,7 +189,7 @@ fn told(row: usize, part: Part, asked: &Asked<'_>, made: &Made) -> MadeFrame {
         confidence: joint.confidence,
         pinned: joint.pinned,
     });
-    let mut lines = ways(row, made, &motion).into_iter();
+    let mut lines = ways(row, made, motion).into_iter();
     let ways = part.trajectories.into_iter().map(|way| MadeWay {
         joint: way.joint.to_owned(),
         figure: way.figure.to_owned(),
@@ -196,7 +197,7 @@ fn told(row: usize, part: Part, asked: &Asked<'_>, made: &Made) -> MadeFrame {
         frames: way.frames,
         points: lines.next().map_or_else(Vec::new, |line| line.points),
     });
-    let posed = pose(row, made, &motion).into_iter().flatten().zip(NAMES);
+    let posed = pose(row, made, motion).into_iter().flatten().zip(NAMES);
     let takes = made.ranked.get(row).map_or(&[][..], |clips| clips);
     MadeFrame {
         number: asked.number,

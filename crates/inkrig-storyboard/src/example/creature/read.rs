@@ -65,6 +65,9 @@ fn read(frame: &Frame, library: &Library) -> Result<CreatureFrame, Problem> {
     if !frame.pins.is_empty() {
         notes.push("pins are not met: they need a figure, which only people have".to_owned());
     }
+    if !frame.edits.is_empty() || !frame.constraints.is_empty() {
+        notes.push("edits and constraints are not met: they are for people".to_owned());
+    }
     let word = frame.word.trim().to_owned();
     if word.is_empty() && frame.trajectories.is_empty() {
         return Err(Problem::new(

@@ -70,7 +70,9 @@ pub(super) fn run(
     if args.engine == EngineArg::Both {
         return Err(CliError::NoEffect { flag: "--engine both", with: others });
     }
-    for (given, flag) in [(args.preview.is_some(), "--preview"), (args.clips, "--clips")] {
+    let given =
+        [(args.preview.is_some(), "--preview"), (args.clips, "--clips"), (args.lock_ends, "--lock-ends")];
+    for (given, flag) in given {
         if given {
             return Err(CliError::NoEffect { flag, with: others });
         }

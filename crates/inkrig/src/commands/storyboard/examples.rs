@@ -39,13 +39,17 @@ pub(super) fn examples(
     let bar = console.bar("reading the examples");
     let (mut clips, mut first) = (Vec::new(), None);
     for (number, file) in files.iter().enumerate() {
-        // A stop is noticed where the frames are made.
-        let _ = bar.at(number, files.len());
+        if bar.at(number, files.len()).is_break() {
+            break;
+        }
         if let Err(cause) = read(file, folder, &index, &mut clips, &mut first) {
             warnings.push(format!("left out: {cause}"));
         }
     }
-    drop(bar);
+    bar.finish()?;
+    if files.len() >= MOST_FILES {
+        warnings.push(format!("only the first {MOST_FILES} files of the examples are read"));
+    }
     let library = Library::new(clips).map_err(wrong(folder))?;
     let first = first.ok_or_else(|| CliError::NothingFits(folder.into()))?;
     Ok(Examples { library, first })

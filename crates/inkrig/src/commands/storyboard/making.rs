@@ -285,7 +285,8 @@ impl Workshop<'_> {
         let blender = Some(blender).filter(|_| settings.blend == BlendArg::Model);
         let exact = exactness(settings.exact);
         let body = &model.body;
-        let animation = on(threads, || animation(&clips, blender, body, &exact)).map_err(&wrong)?;
+        let animation = on(threads, || animation(&clips, blender, body, &exact))
+            .map_err(|cause| wrong(of_row(cause, frames)))?;
         Ok(Made { clips, ranked, animation })
     }
 }
@@ -294,6 +295,21 @@ impl Workshop<'_> {
 fn of_frame(cause: StoryboardError, frame: usize) -> StoryboardError {
     match cause {
         StoryboardError::Generate { cause, .. } => StoryboardError::Generate { frame, cause },
+        other => other,
+    }
+}
+
+/// Clips are counted among those that are joined; messages name frames of the storyboard.
+fn of_row(cause: StoryboardError, asked: &[Asked<'_>]) -> StoryboardError {
+    let number =
+        |row: usize| row.checked_sub(1).and_then(|at| asked.get(at)).map_or(row, |asked| asked.number);
+    match cause {
+        StoryboardError::Frame { frame, problem, todo } => {
+            StoryboardError::Frame { frame: number(frame), problem, todo }
+        }
+        StoryboardError::Generate { frame, cause } => {
+            StoryboardError::Generate { frame: number(frame), cause }
+        }
         other => other,
     }
 }

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// Orders whose clips are kept at most.
-const MOST: usize = 200;
+const MOST: usize = 1000;
 /// Frames of all kept clips together: one holds 22 joints, so these are about 60 MB.
 const MOST_FRAMES: usize = 200_000;
 
