@@ -34,6 +34,10 @@ pub(crate) fn decode(bytes: &[u8], most: usize) -> Result<Picture, String> {
     if width.saturating_mul(height) > most {
         return Err(format!("has more than {most} pixels; save it smaller"));
     }
+    // A picture of one colour has some hundred pixels a byte: what says it has far more is cut short, and gets no room.
+    if width.saturating_mul(height) > bytes.len().saturating_mul(1024).saturating_add(1 << 20) {
+        return Err(wrong(&"it is cut short"));
+    }
     let turned = decoder.exif().map_or(1, |exif| orientation(exif));
     let pixels = decoder.decode().map_err(|cause| wrong(&cause))?;
     if width * height * 3 != pixels.len() || pixels.is_empty() {

@@ -120,7 +120,9 @@ impl Library {
                 "Put motion files into the folder",
             ));
         };
-        let frames: usize = kept.iter().map(|example| example.clip.frames()).sum();
+        // They are searched at up to sixty frames a second, however few they have.
+        let searched = |clip: &Clip| clip.frames().max((clip.duration() * 60.0) as usize);
+        let frames: usize = kept.iter().map(|example| searched(&example.clip)).fold(0, usize::saturating_add);
         if frames > MOST_FRAMES {
             return Err(wrong(
                 format!("the examples have {frames} frames; at most {MOST_FRAMES} are searched"),

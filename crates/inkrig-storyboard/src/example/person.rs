@@ -123,7 +123,8 @@ fn windows<'a>(people: &'a [Person], plan: &Plan, drawn: bool) -> Vec<Window<'a>
                     let moved = plan.moved(offset(plan, &motion));
                     let near = if drawn { error(&moved, &motion)[0] } else { 0.0 };
                     let score = near + OTHER_WORD * word + OTHER_PACE * pace.ln().abs();
-                    Window { of: person, first, length, motion, word, score }
+                    // The motion itself is made again for the few that are kept: all of them would be gigabytes.
+                    Window { of: person, first, length, motion: Vec::new(), word, score }
                 })
             })
         })
@@ -135,7 +136,9 @@ fn windows<'a>(people: &'a [Person], plan: &Plan, drawn: bool) -> Vec<Window<'a>
             std::ptr::eq(other.of, window.of) && other.first.abs_diff(window.first) < window.length / 3
         };
         if kept.len() < FINALISTS && !kept.iter().any(same) {
-            kept.push(window);
+            let part = &window.of.motion[window.first..window.first + window.length];
+            let motion = begun(&at_pace(part, plan.frames));
+            kept.push(Window { motion, ..window });
         }
     }
     kept

@@ -180,18 +180,22 @@ fn begin_at_the_body(frame: &mut Frame) {
 /// A way that ends on the middle of another is that way, gone back over its own line: a foot that kicks and comes down again.
 fn go_back(frame: &mut Frame) {
     let ways = &mut frame.trajectories;
+    // One goes back once: else teeth of a comb would double it again and again.
+    let mut back = vec![false; ways.len()];
     let mut number = 0;
     while number < ways.len() {
         let own = ways[number].points.points.clone();
         let meets = |end: Option<&[f64; 2]>| {
             let end = end?;
-            ways.iter().enumerate().filter(|(other, _)| *other != number).find_map(|(other, way)| {
-                let points = &way.points.points;
-                let inner = points.len() / 8..points.len() - points.len() / 8;
-                let at =
-                    inner.min_by(|a, b| distance(points[*a], *end).total_cmp(&distance(points[*b], *end)))?;
-                (distance(points[at], *end) < MEETS).then_some((other, at))
-            })
+            ways.iter().enumerate().filter(|(other, _)| *other != number && !back[*other]).find_map(
+                |(other, way)| {
+                    let points = &way.points.points;
+                    let inner = points.len() / 8..points.len() - points.len() / 8;
+                    let at = inner
+                        .min_by(|a, b| distance(points[*a], *end).total_cmp(&distance(points[*b], *end)))?;
+                    (distance(points[at], *end) < MEETS).then_some((other, at))
+                },
+            )
         };
         let found = match (meets(own.first()), meets(own.last())) {
             (Some(found), None) => Some((found, own)),
@@ -201,10 +205,12 @@ fn go_back(frame: &mut Frame) {
         match found {
             Some(((other, at), rest)) => {
                 let points = &mut ways[other].points.points;
-                let back: Vec<[f64; 2]> = points[at..].iter().rev().skip(1).copied().collect();
-                points.extend(back);
+                let again: Vec<[f64; 2]> = points[at..].iter().rev().skip(1).copied().collect();
+                points.extend(again);
                 points.extend(rest);
+                back[other] = true;
                 ways.remove(number);
+                back.remove(number);
             }
             None => number += 1,
         }
@@ -214,6 +220,7 @@ fn go_back(frame: &mut Frame) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use inkrig_sketch::storyboard::{Stroke, Trajectory};
 
     /// A page with lines: from, to, colour, each three pixels thick.
     fn page(lines: &[([f32; 2], [f32; 2], [u8; 3])]) -> Vec<u8> {
@@ -273,5 +280,23 @@ mod tests {
         assert_eq!(board.frames.len(), 2);
         assert!(storyboard_of_picture(&Picture { width: 10, height: 10, pixels: &[255; 300] }).is_none());
         assert!(storyboard_of_picture(&Picture { width: 10, height: 10, pixels: &[255; 30] }).is_none());
+    }
+
+    #[test]
+    fn a_comb_does_not_double_itself() {
+        let line = |points: &[[f64; 2]]| Trajectory {
+            points: Stroke::new(points.to_vec()),
+            ..Trajectory::default()
+        };
+        let spine: Vec<[f64; 2]> = (0..1000).map(|at| [f64::from(at), 0.0]).collect();
+        let tooth = |at: i32| {
+            let x = 300.0 + 10.0 * f64::from(at);
+            (0..20).map(|step| [x, 1.0 + 20.0 * f64::from(step)]).collect::<Vec<_>>()
+        };
+        let mut frame = Frame { trajectories: vec![line(&spine)], ..Frame::default() };
+        frame.trajectories.extend((0..40).map(|at| line(&tooth(at))));
+        go_back(&mut frame);
+        let points: usize = frame.trajectories.iter().map(|way| way.points.points.len()).sum();
+        assert!(frame.trajectories.len() == 40 && points < 3000, "{} {points}", frame.trajectories.len());
     }
 }

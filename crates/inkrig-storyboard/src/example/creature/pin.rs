@@ -44,11 +44,9 @@ pub(super) fn reached(clip: &Clip, joint: usize, goals: &[Goal]) -> Result<Clip,
     }
     let own: Vec<&Goal> =
         goals.iter().filter(|goal| goal.joint == joint && goal.frame < clip.frames()).collect();
-    let (Some(first), Some(last)) =
-        (own.iter().map(|goal| goal.frame).min(), own.iter().map(|goal| goal.frame).max())
-    else {
+    if own.is_empty() {
         return Ok(clip.clone());
-    };
+    }
     let near = NEAR * clip.skeleton().extent();
     let count = joints.len();
     let mut rotations: Vec<Quat> =
@@ -84,12 +82,17 @@ pub(super) fn reached(clip: &Clip, joint: usize, goals: &[Goal]) -> Result<Clip,
         }
     }
     let fade = (FADE * clip.frame_rate()).max(1.0) as f32;
+    let mut known: Vec<usize> = own.iter().map(|goal| goal.frame).collect();
+    known.sort_unstable();
+    known.dedup();
     for frame in 0..clip.frames() {
-        let (nearest, away) = if frame < first {
-            (first, first - frame)
-        } else {
-            (frame.min(last), frame.saturating_sub(last))
+        // What stands nearest decides, also between two ways.
+        let after = known.partition_point(|at| *at < frame);
+        let sides = [known.get(after), after.checked_sub(1).and_then(|before| known.get(before))];
+        let Some(nearest) = sides.into_iter().flatten().copied().min_by_key(|at| at.abs_diff(frame)) else {
+            continue;
         };
+        let away = nearest.abs_diff(frame);
         let t = (1.0 - away as f32 / fade).max(0.0);
         for (number, &turned) in chain.iter().enumerate() {
             let turn = Quat::IDENTITY.slerp(turns[nearest][number], t * t * (3.0 - 2.0 * t));

@@ -3,7 +3,7 @@
 use super::examples::by_example;
 use super::record::EngineRecord;
 use super::{Asked, Made, Takes, Workshop, shown};
-use crate::cli::{EngineArg, StepsArg, StoryboardArgs};
+use crate::cli::{BlendArg, EngineArg, StepsArg, StoryboardArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use inkrig_storyboard::{Library, Retrieved};
@@ -28,6 +28,12 @@ pub(super) fn check(args: &StoryboardArgs) -> Result<(), CliError> {
             Err(CliError::NoEffect { flag: "--examples", with: "--engine learned" })
         }
         (EngineArg::Example | EngineArg::Both, None, _) => Err(CliError::NoExamples),
+        (EngineArg::Example, ..) if args.blend == BlendArg::Model => {
+            Err(CliError::NoEffect { flag: "--blend model", with: "--engine example" })
+        }
+        (EngineArg::Example, _, Some(_)) => {
+            Err(CliError::NoEffect { flag: "--steps", with: "--engine example" })
+        }
         // Few steps begin with noise.
         (EngineArg::Both, _, Some(steps)) if steps != StepsArg::Ddim => {
             Err(CliError::NoEffect { flag: "--engine both", with: "--steps 1, 2 or 4" })

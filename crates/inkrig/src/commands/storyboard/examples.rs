@@ -22,6 +22,8 @@ const INDICES: [&str; 2] = ["words.csv", "index.csv"];
 pub(super) struct Examples {
     pub(super) library: Library,
     pub(super) first: Import,
+    /// The files.
+    pub(super) files: Vec<PathBuf>,
 }
 
 /// Reads all motion files of a folder and the folders in it; those that cannot be read are said.
@@ -52,7 +54,7 @@ pub(super) fn examples(
     }
     let library = Library::new(clips).map_err(wrong(folder))?;
     let first = first.ok_or_else(|| CliError::NothingFits(folder.into()))?;
-    Ok(Examples { library, first })
+    Ok(Examples { library, first, files })
 }
 
 /// All clips of a file.
@@ -102,7 +104,8 @@ fn motion_files(folder: &Path, depth: usize, found: &mut Vec<PathBuf>) -> Result
         .map_err(unread)?;
     entries.sort();
     for path in entries {
-        if path.is_dir() && depth > 0 {
+        // Links may lead in circles.
+        if path.is_dir() && !path.is_symlink() && depth > 0 {
             motion_files(&path, depth - 1, found)?;
         } else if found.len() < MOST_FILES
             && load::extension(&path)

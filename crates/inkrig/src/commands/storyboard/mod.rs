@@ -51,7 +51,12 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     let mut board = read::board(&args.board)?;
     let mut warnings = Vec::new();
     let examples = match &args.examples {
-        Some(folder) => Some(examples::examples(folder, console, &mut warnings)?),
+        Some(folder) => {
+            let examples = examples::examples(folder, console, &mut warnings)?;
+            let read = examples.files.iter().map(PathBuf::as_path);
+            names::results_differ(read, std::iter::once(args.out.as_path()).chain(more()))?;
+            Some(examples)
+        }
         None => None,
     };
     if let Some(examples) = examples.as_ref().filter(|examples| !examples.library.of_person()) {
@@ -112,6 +117,10 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     }
     let mut record = Record::of(args, &model, (&asked, &made), certificate, warnings);
     record.add_engines(&retrieved, compared);
+    if let Some(path) = &args.video {
+        let scene = scene::Scene::of_person(&board, &understood, &made);
+        files.push((path, video::gif(&scene, console, &mut record.warnings)?));
+    }
     if let Some(path) = &args.report {
         files.push((path, serde_json::to_vec_pretty(&record)?));
     }
@@ -122,10 +131,6 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     }
     if let Some(path) = &args.sheet {
         files.push((path, png(&board, &understood, &made)?));
-    }
-    if let Some(path) = &args.video {
-        let scene = scene::Scene::of_person(&board, &understood, &made);
-        files.push((path, video::gif(&scene, console, &mut record.warnings)?));
     }
     for warning in &record.warnings {
         console.warn(warning);

@@ -19,10 +19,12 @@ pub(super) fn board(path: &Path) -> Result<Storyboard, CliError> {
         Some("png" | "jpg" | "jpeg") => {
             let (width, height, pixels) = drawing::colours(path)?;
             let picture = Picture { width, height, pixels: &pixels };
-            storyboard_of_picture(&picture).ok_or_else(|| CliError::Picture {
+            let board = storyboard_of_picture(&picture).ok_or_else(|| CliError::Picture {
                 path: path.into(),
                 what: "shows no line: draw a black figure and cyan trajectories on light paper".into(),
-            })
+            })?;
+            board.check().map_err(wrong)?;
+            Ok(board)
         }
         _ => Err(CliError::Kind {
             path: path.to_path_buf(),
