@@ -2,8 +2,9 @@
 
 use crate::gltf::write_into_gltf;
 use crate::{
-    ExportOptions, FileSource, FormatError, Import, ImportOptions, Written, read_amc, read_bvh,
-    read_deepmimic, read_fbx, read_gltf, write_bvh, write_fbx, write_glb, write_usda, write_vrma,
+    ExportOptions, FileSource, FormatError, Import, ImportOptions, Written, fbx::read_fbx_with,
+    gltf::read_gltf_with, read_amc, read_bvh, read_deepmimic, read_fbx, read_gltf, write_bvh, write_fbx,
+    write_glb, write_usda, write_vrma,
 };
 use inkrig_motion::Clip;
 
@@ -108,6 +109,28 @@ pub fn read_motion(
         }),
         Format::Glb | Format::Gltf | Format::Vrm | Format::Vrma => read_gltf(bytes, options, files),
     }
+}
+
+/// The same, and all other clips of the file in their order: it is parsed once for all.
+///
+/// # Errors
+/// As [`read_motion`]; one clip that cannot be read is enough.
+pub fn read_motions(
+    bytes: &[u8],
+    format: Format,
+    options: &ImportOptions,
+    files: FileSource<'_>,
+) -> Result<(Import, Vec<Clip>), FormatError> {
+    let mut others = Vec::new();
+    let import = match format {
+        Format::Fbx => read_fbx_with(bytes, options, Some(&mut others)),
+        Format::Glb | Format::Gltf | Format::Vrm | Format::Vrma => {
+            read_gltf_with(bytes, options, files, Some(&mut others))
+        }
+        // These hold one.
+        _ => read_motion(bytes, format, options, files),
+    }?;
+    Ok((import, others))
 }
 
 /// Writes a motion in a known format.

@@ -53,7 +53,7 @@ pub use export::{ExportOptions, KeptRow, Written};
 pub use fbx::{read_fbx, write_fbx};
 pub use finding::{Finding, Place, Severity};
 pub use folder::{FileSource, no_files, read_in_folder};
-pub use format::{Format, read_motion, write_motion};
+pub use format::{Format, read_motion, read_motions, write_motion};
 pub use gltf::{HUMAN_BONES, HumanBone, gltf_licence, read_gltf, write_glb, write_vrma};
 pub use import::{Axis, Channel, ClipChoice, ClipInfo, Evidence, Import, ImportOptions, SourceInfo, UpAxis};
 pub use limits::Limits;

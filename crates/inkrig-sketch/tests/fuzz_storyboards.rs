@@ -30,7 +30,7 @@ fn fuzz_storyboard_bytes() {
 /// Parts of real storyboards in any order, which come much further than random bytes.
 #[test]
 fn fuzz_storyboard_parts() {
-    const PARTS: [&str; 24] = [
+    const PARTS: [&str; 25] = [
         r#"{"inkrig_storyboard": 1, "frames": [{"#,
         r#""body": ["#,
         r#""scene": ["#,
@@ -40,6 +40,7 @@ fn fuzz_storyboard_parts() {
         r#""pins": [{"joint": "head", "at": "#,
         r#""camera": {"pitch_degrees": "#,
         r#""word": "kick""#,
+        r#""path": "continue""#,
         r#""seconds": "#,
         r#""figure": "end""#,
         "[[0, 0], [1, 1]]",

@@ -1,12 +1,13 @@
 //! From clips to one animation: joined, its feet on the floor, and moved until it is where it was drawn.
 
 use crate::edited::{bend, edited, placed_edits, settled};
-use crate::error::StoryboardError;
+use crate::error::{Problem, StoryboardError};
 use crate::exact::{
     Asked, Constraint, Goal, MeetOptions, Met, Proportioned, Rule, Source, joints_of, meet_all, misses,
     proportion,
 };
 use crate::generate::Generated;
+use crate::path;
 use crate::sequence::{Blender, Joined, sequence_of};
 use inkrig_motion::Clip;
 use inkrig_motion::glam::{Quat, Vec2, Vec3};
@@ -15,6 +16,30 @@ use std::sync::Arc;
 
 /// What changes by less than this stays, metres.
 const STAYS: f32 = 0.01;
+
+/// A whole animation of more seconds is not made: all its frames are moved at once, which takes a gigabyte for ten minutes.
+const MOST_SECONDS: f64 = 600.0;
+
+/// Whether frames that last so many seconds, in their order, can become one animation.
+///
+/// # Errors
+/// [`StoryboardError::Frame`] with the frame at which it is too long.
+pub fn check_length(seconds: impl IntoIterator<Item = f64>) -> Result<(), StoryboardError> {
+    let mut whole = 0.0;
+    for (number, seconds) in (1..).zip(seconds) {
+        whole += seconds;
+        if whole > MOST_SECONDS {
+            let minutes = MOST_SECONDS / 60.0;
+            let problem = format!(
+                "with it the animation is longer than {minutes} minutes, and no longer ones are made"
+            );
+            return Err(
+                Problem::new(problem, "Make frames shorter, or two storyboards of it").of_frame(number)
+            );
+        }
+    }
+    Ok(())
+}
 
 /// How drawings are met.
 #[derive(Debug, Clone, PartialEq)]
@@ -172,6 +197,7 @@ fn goals_of((clip, start, placement): Placed<'_>) -> Vec<Goal> {
         .map(|(frame, joint, at, source)| {
             Goal::placed(start + frame, joint, at, &plan.camera, placement, source)
         })
+        .chain(path::goals(plan, start, placement))
         .collect()
 }
 
@@ -211,10 +237,26 @@ fn contacts(clips: &[Generated], joined: &Joined) -> Vec<[f32; 4]> {
     contacts
 }
 
-/// Moves a picture to where its motion has gone: a drawing says nothing of where on the picture its origin is.
+/// Moves a path, and then a picture, to where its motion has gone: a drawing says nothing of where on the picture its origin is.
 fn follow(goals: &mut [Goal], motion: &[Joints]) {
-    let misses = goals.iter().filter_map(|goal| Some(goal.miss(motion.get(goal.frame)?[goal.joint])));
-    let (sum, count) =
-        misses.fold((Vec2::ZERO, 0.0_f32), |(sum, count), miss| (sum + miss.truncate(), count + 1.0));
-    goals.iter_mut().for_each(|goal| goal.at += sum / count.max(1.0));
+    let place = |goal: &Goal| motion.get(goal.frame).map(|pose| pose[goal.joint]);
+    let is_path = |goal: &Goal| goal.source == Source::Path;
+    let moved = |goals: &mut [Goal], path: bool, by: &dyn Fn(usize) -> Vec3| {
+        let own = goals.iter().filter(|goal| is_path(goal) == path);
+        let misses: Vec<Vec2> =
+            own.filter_map(|goal| Some(goal.miss(place(goal)? + by(goal.frame)).truncate())).collect();
+        let mean = misses.iter().copied().sum::<Vec2>() / misses.len().max(1) as f32;
+        goals.iter_mut().filter(|goal| is_path(goal) == path).for_each(|goal| goal.at += mean);
+    };
+    moved(goals, true, &|_| Vec3::ZERO);
+    // What is drawn goes with a body that will be on its path.
+    let path: Vec<(usize, Vec3)> = goals
+        .iter()
+        .filter(|goal| is_path(goal))
+        .filter_map(|goal| place(goal).map(|own| (goal.frame, goal.nearest(own) - own)))
+        .collect();
+    let first = path.first().map_or(0, |(frame, _)| *frame);
+    moved(goals, false, &|frame| {
+        frame.checked_sub(first).and_then(|at| path.get(at)).map_or(Vec3::ZERO, |(_, by)| *by)
+    });
 }

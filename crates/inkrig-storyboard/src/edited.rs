@@ -88,7 +88,9 @@ pub(crate) fn placed_edits((clip, start, placement): (&Generated, usize, (Quat, 
 pub(crate) fn bend(goals: &mut Vec<Goal>, edits: &[Goal]) {
     for edit in edits {
         let own = |goal: &&Goal| goal.joint == edit.joint && goal.frame == edit.frame;
-        let Some(off) = goals.iter().find(own).map(|goal| edit.at - goal.at) else { continue };
+        // A place in space is one on any picture.
+        let place = edit.nearest(Vec3::ZERO);
+        let Some(off) = goals.iter().find(own).map(|goal| goal.miss(place).truncate()) else { continue };
         let others = edits.iter().filter(|other| other.joint == edit.joint && other.frame != edit.frame);
         // Other places in space stay.
         let reach = |side: fn(usize, usize) -> bool| {
@@ -96,7 +98,9 @@ pub(crate) fn bend(goals: &mut Vec<Goal>, edits: &[Goal]) {
             others.map(|other| other.frame.abs_diff(edit.frame)).min().unwrap_or(BEND).min(BEND)
         };
         let (before, after) = (reach(|a, b| a < b), reach(|a, b| a > b));
-        for goal in goals.iter_mut().filter(|goal| goal.joint == edit.joint && goal.source == Source::Way) {
+        let bends =
+            |goal: &&mut Goal| goal.joint == edit.joint && matches!(goal.source, Source::Way | Source::Path);
+        for goal in goals.iter_mut().filter(bends) {
             let wide = if goal.frame < edit.frame { before } else { after };
             let share = (goal.frame.abs_diff(edit.frame) as f32 / wide as f32).min(1.0);
             goal.at += off * 0.5 * (1.0 + (std::f32::consts::PI * share).cos());

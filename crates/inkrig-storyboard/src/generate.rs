@@ -1,7 +1,11 @@
 //! From a plan to a clip: several are sampled with the word, each drawn to what is asked for at every few steps, and ranked.
 
+use crate::animation::{Exact, animation};
 use crate::error::StoryboardError;
+use crate::exact::joints_of;
+use crate::path::from_above;
 use crate::plan::{Plan, seen};
+use crate::space::Space;
 use inkrig_generate::GenerateError;
 use inkrig_generate::guidance::{Ask, Target, View};
 use inkrig_generate::measures::{jerk, skating};
@@ -11,7 +15,8 @@ use inkrig_generate::sampling::{Conditions, Examples, Networks, Request, Sampler
 use inkrig_motion::Features;
 use inkrig_motion::glam::{Vec2, Vec3};
 use inkrig_motion::humanml::{
-    Blocks, FRAME_RATE, JOINTS, Joints, Statistics, WIDTH, augment, features, keep_footing, recover_positions,
+    Blocks, Camera, FRAME_RATE, JOINTS, Joints, Statistics, WIDTH, augment, features, keep_footing,
+    recover_positions,
 };
 use rayon::prelude::*;
 
@@ -26,6 +31,8 @@ pub struct Maker<'a> {
     pub places: &'a Statistics,
     /// The vector of a text that says nothing.
     pub no_text: &'a [f32],
+    /// The bone that ends at each joint, metres.
+    pub body: &'a Joints,
     /// Frames that the model was trained with; shorter clips are cut from these.
     pub usual_frames: usize,
 }
@@ -52,7 +59,7 @@ pub struct Generated {
     pub contacts: Vec<[f32; 4]>,
     /// What it was asked for, the picture moved to where the motion is.
     pub plan: Plan,
-    /// Mean distance of asked joints from their places on the picture, metres.
+    /// Mean distance of asked joints from their places on the picture, and of the pelvis from its path, metres.
     pub error: f32,
     /// The largest of these distances, metres.
     pub worst: f32,
@@ -128,10 +135,27 @@ impl Maker<'_> {
         let failed = |cause| StoryboardError::Generate { frame: number, cause: Box::new(cause) };
         let made = made.map_err(failed)?;
         let evaluations = made.iter().map(|clip| clip.evaluations).sum();
-        let mut ranked: Vec<(f64, Generated)> =
-            made.into_iter().map(|clip| (cost(&clip), Generated { evaluations, ..clip })).collect();
+        let costs: Vec<f64> = if made.len() > 1 && options.drawn {
+            made.par_iter().map(|clip| self.cost_met(clip)).collect::<Result<_, _>>()?
+        } else {
+            made.iter().map(cost).collect()
+        };
+        let mut ranked: Vec<(f64, Generated)> = costs
+            .into_iter()
+            .zip(made)
+            .map(|(cost, clip)| (cost, Generated { evaluations, ..clip }))
+            .collect();
         ranked.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         Ok(ranked.into_iter().map(|(_, clip)| clip).collect())
+    }
+
+    /// What a clip costs once it was moved a little to what is asked of it, as it will be: some that are near stay there, others come
+    /// nearer.
+    fn cost_met(&self, clip: &Generated) -> Result<f64, StoryboardError> {
+        let alone = Generated { plan: Plan { space: Space::default(), ..clip.plan.clone() }, ..clip.clone() };
+        let met = animation(std::slice::from_ref(&alone), None, self.body, &Exact::Soft)?;
+        let error = met.met.as_ref().map_or(clip.error, |met| met.after[0]);
+        Ok(cost(&Generated { motion: joints_of(&met.clip), error, ..alone }))
     }
 
     fn candidate(
@@ -155,10 +179,10 @@ impl Maker<'_> {
         }
         let Sampled { motion, contacts, evaluations } = self.sample(&plan, told, options, seed)?;
         // The picture follows the motion, before feet are put on the floor and behind it.
-        let plan = plan.moved(offset(&plan, &motion));
+        let plan = placed(&plan, &motion);
         let [error, worst] = error(&plan, &motion);
         let motion = keep_footing(&motion, &contacts, FRAME_RATE, &[])?.frames;
-        let plan = plan.moved(offset(&plan, &motion));
+        let plan = placed(&plan, &motion);
         Ok(Generated { motion, contacts, error, worst, plan, candidate, evaluations })
     }
 
@@ -217,15 +241,33 @@ impl Maker<'_> {
         options: &MakerOptions,
     ) -> Result<Conditions, GenerateError> {
         let (text, view) = (text.to_vec(), View::Plane(plan.camera));
-        let (asks, depths) =
+        let (drawn, mut depths) =
             if options.drawn { (plan.asks(), plan.over_ground()) } else { (Vec::new(), Vec::new()) };
-        let all = Target { view, asks, depths: depths.clone() };
+        let path = plan.on_path();
+        let through = |camera: &Camera| {
+            let seen = |ask: &Ask| Ask { place: seen(camera, ask.place).extend(0.0), ..*ask };
+            path.iter().map(seen).collect::<Vec<Ask>>()
+        };
+        let all = if drawn.is_empty() && !path.is_empty() {
+            // How high the body is, is the word's.
+            let above = from_above();
+            Target { view: View::Plane(above), asks: through(&above), depths: Vec::new() }
+        } else {
+            depths.extend(&path);
+            Target { view, asks: [drawn.clone(), through(&plan.camera)].concat(), depths: depths.clone() }
+        };
         let known = plan.usual_view && self.networks.follows(Domain::Plane);
-        if all.asks.is_empty() || !known {
-            return Conditions::from_tables(frames, text, Domain::Space, Vec::new(), None, all);
+        if drawn.is_empty() || !known {
+            if path.is_empty() || !self.networks.follows(Domain::Space) {
+                return Conditions::from_tables(frames, text, Domain::Space, Vec::new(), None, all);
+            }
+            let request = Request { frames, text, view: View::Space, trajectory: path, keypose: None };
+            let told = Conditions::new(&request, self.places, options.sampling.semantics)?;
+            return Ok(told.guided_to(all));
         }
         let keypose = whole_pose(plan);
-        let pose_is_told = |ask: &Ask| keypose.is_some_and(|_| !plan.on_way(ask));
+        let pose_is_told =
+            |ask: &Ask| keypose.is_some_and(|_| !plan.on_way(ask)) && (ask.joint != 0 || path.is_empty());
         let trajectory = all.asks.iter().filter(|ask| !pose_is_told(ask)).copied().collect();
         let request = Request { frames, text, view, trajectory, keypose };
         let told = Conditions::new(&request, self.places, options.sampling.semantics)?;
@@ -281,16 +323,24 @@ pub(crate) fn offset(plan: &Plan, motion: &[Joints]) -> Vec2 {
     off.iter().copied().sum::<Vec2>() / off.len().max(1) as f32
 }
 
-/// Mean and largest distance of asked joints from their places on the picture, metres; 0 where nothing is asked for.
+/// The plan with its picture, and its path, where a motion has them in the mean.
+pub(crate) fn placed(plan: &Plan, motion: &[Joints]) -> Plan {
+    let mut moved = plan.moved(offset(plan, motion));
+    let off = plan.off_path(motion);
+    let mean = off.iter().copied().sum::<Vec2>() / off.len().max(1) as f32;
+    moved.path.iter_mut().flatten().for_each(|place| *place += Vec3::new(mean.x, 0.0, mean.y));
+    moved
+}
+
+/// Mean and largest distance of asked joints from their places on the picture, and of the pelvis from its path, metres; 0 where nothing
+/// is asked for.
 pub(crate) fn error(plan: &Plan, motion: &[Joints]) -> [f32; 2] {
-    let off: Vec<f32> = plan
-        .asks()
-        .iter()
-        .filter_map(|ask| {
-            let place = seen(&plan.camera, motion.get(ask.frame)?[ask.joint]);
-            Some(place.distance(ask.place.truncate()))
-        })
-        .collect();
+    let asks = plan.asks();
+    let drawn = asks.iter().filter_map(|ask| {
+        let place = seen(&plan.camera, motion.get(ask.frame)?[ask.joint]);
+        Some(place.distance(ask.place.truncate()))
+    });
+    let off: Vec<f32> = drawn.chain(plan.off_path(motion).iter().map(|off| off.length())).collect();
     [off.iter().sum::<f32>() / off.len().max(1) as f32, off.iter().copied().fold(0.0, f32::max)]
 }
 

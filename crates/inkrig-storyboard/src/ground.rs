@@ -32,7 +32,7 @@ impl Plan {
 }
 
 /// How high a place over the origin is.
-fn height(camera: &Camera, begin: Vec2) -> f32 {
+pub(crate) fn height(camera: &Camera, begin: Vec2) -> f32 {
     begin.y / camera.project(Vec3::Y).y.max(0.1)
 }
 
@@ -55,17 +55,8 @@ mod tests {
         let places: Vec<Vec3> =
             (0..20).map(|i| Vec3::new(0.03, 0.0, 0.06) * i as f32 + 0.95 * Vec3::Y).collect();
         let seen = places.iter().map(|place| camera.project(*place)).collect();
-        let plan = Plan {
-            word: word.into(),
-            frames: 40,
-            camera,
-            usual_view: true,
-            pose: Vec::new(),
-            keypose: None,
-            ways: vec![(0, 3, seen), (20, 0, vec![Vec2::ZERO; 5])],
-            placed: true,
-            space: crate::space::Space::default(),
-        };
+        let ways = vec![(0, 3, seen), (20, 0, vec![Vec2::ZERO; 5])];
+        let plan = Plan { ways, ..Plan::of_word(word.into(), 40, camera) };
         (plan, places)
     }
 

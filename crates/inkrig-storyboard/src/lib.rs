@@ -17,13 +17,14 @@ mod generate;
 mod ground;
 mod joints;
 mod page;
+mod path;
 mod picture;
 mod plan;
 mod sequence;
 mod space;
 mod timing;
 
-pub use animation::{Animation, Exact, Kept, animation};
+pub use animation::{Animation, Exact, Kept, animation, check_length};
 pub use attach::Way;
 pub use error::StoryboardError;
 pub use exact::{
@@ -31,8 +32,8 @@ pub use exact::{
     meet_all, misses, proportion,
 };
 pub use example::{
-    Answer, Creature, CreatureFrame, CreaturePart, CreatureWay, Example, Library, Retrieved, creature,
-    read_creature,
+    Answer, Creature, CreatureFrame, CreaturePart, CreatureWay, Example, Library, NO_TAKE, Retrieved,
+    creature, read_creature,
 };
 pub use figure::{Alternative, Figure, Found, read_figure};
 pub use generate::{Generated, Maker, MakerOptions};

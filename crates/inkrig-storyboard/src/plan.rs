@@ -6,6 +6,7 @@ use crate::error::{Problem, StoryboardError};
 use crate::exact::Source;
 use crate::figure::Figure;
 use crate::page::Page;
+use crate::path;
 use crate::space::Space;
 use crate::timing::{LEAST, timed, usual_speed};
 use inkrig_generate::guidance::Ask;
@@ -13,7 +14,7 @@ use inkrig_generate::readers::network::Work;
 use inkrig_generate::readers::word::{WordReader, line};
 use inkrig_motion::glam::{Vec2, Vec3};
 use inkrig_motion::humanml::{Camera, FRAME_RATE, JOINTS, Joints, NAMES};
-use inkrig_sketch::storyboard::{End, Frame, Stroke};
+use inkrig_sketch::storyboard::{End, Frame, FramePath, Stroke};
 use inkrig_sketch::{Ends, smooth};
 
 /// Frames of a clip of which nothing else says how long it is: what the model was trained with.
@@ -70,6 +71,11 @@ pub struct Plan {
     pub keypose: Option<(usize, Vec<KeyJoint>)>,
     /// Ways of joints: joint, first frame, a place a frame.
     pub ways: Vec<(usize, usize, Vec<Vec2>)>,
+    /// Whose way over the ground it takes over.
+    pub follows: Option<FramePath>,
+    /// That way, once it is made: where in the clip's own space the pelvis is, a place a frame; its height is told to the model and met by
+    /// nobody. See [`along`](Self::along).
+    pub path: Option<Vec<Vec3>>,
     /// Whether the places are where a clip that begins at the origin has them. A figure at the end of its way stands where
     /// the motion will have taken it, which is known only when there is one.
     pub placed: bool,
@@ -91,6 +97,23 @@ pub struct Understood {
 }
 
 impl Plan {
+    /// Nothing but a word.
+    pub fn of_word(word: String, frames: usize, camera: Camera) -> Self {
+        Self {
+            word,
+            frames,
+            camera,
+            usual_view: true,
+            pose: Vec::new(),
+            keypose: None,
+            ways: Vec::new(),
+            follows: None,
+            path: None,
+            placed: true,
+            space: Space::default(),
+        }
+    }
+
     /// All that is asked for: frame, joint, place and what asks. A joint has one place a frame: its way's before its pose's.
     pub fn wanted(&self) -> Vec<(usize, usize, Vec2, Source)> {
         let mut all: Vec<(usize, usize, Vec2, Source)> = Vec::new();
@@ -100,7 +123,9 @@ impl Plan {
         }
         if let Some((frame, joints)) = &self.keypose {
             for (joint, at, pinned) in joints {
-                if !all.iter().any(|other| (other.0, other.1) == (*frame, *joint)) {
+                // Where a path leads the body, the drawn pose goes along; where its pelvis is on the picture follows.
+                let led = *joint == 0 && self.path.is_some() && !*pinned;
+                if !led && !all.iter().any(|other| (other.0, other.1) == (*frame, *joint)) {
                     all.push((*frame, *joint, *at, if *pinned { Source::Pin } else { Source::Pose }));
                 }
             }
@@ -151,6 +176,7 @@ pub fn understand(
     words: Option<&WordReader>,
 ) -> Result<Understood, StoryboardError> {
     let read = plan(frame, figure, body, words).and_then(|mut read| {
+        path::check(frame.path, number, read.attached.iter().any(|way| way.joint == 0))?;
         let scale = read.figure.as_ref().and_then(|figure| Calibration::of(figure, body, &read.plan.camera));
         read.plan.space = Space::of(frame, &read.plan, body, scale.as_ref())?;
         Ok(read)
@@ -166,7 +192,7 @@ fn plan(
 ) -> Result<Understood, Problem> {
     let mut notes = figure.as_ref().map_or_else(Vec::new, |figure| figure.notes.clone());
     let word = word(frame, words)?;
-    if word.is_empty() && figure.is_none() && frame.trajectories.is_empty() {
+    if word.is_empty() && figure.is_none() && frame.trajectories.is_empty() && frame.path.is_none() {
         return Err(Problem::new(
             "it has no figure, no trajectory and no word",
             "Draw or type something, or delete it",
@@ -182,17 +208,10 @@ fn plan(
         frame.camera.yaw_degrees.to_radians() as f32,
     );
     let said = frame.seconds.map(|seconds| ((seconds * FRAME_RATE).round() as usize).max(2));
-    let empty = Plan {
-        word,
-        frames: said.unwrap_or(USUAL_FRAMES),
-        camera,
-        usual_view: PITCHES.contains(&frame.camera.pitch_degrees) && YAWS.contains(&frame.camera.yaw_degrees),
-        pose: Vec::new(),
-        keypose: None,
-        ways: Vec::new(),
-        placed: true,
-        space: Space::default(),
-    };
+    let usual_view =
+        PITCHES.contains(&frame.camera.pitch_degrees) && YAWS.contains(&frame.camera.yaw_degrees);
+    let empty =
+        Plan { usual_view, follows: frame.path, ..Plan::of_word(word, said.unwrap_or(USUAL_FRAMES), camera) };
     let Some(figure) = figure else {
         if frame.trajectories.is_empty() {
             return Ok(Understood { plan: empty, figure: None, attached: Vec::new(), notes });

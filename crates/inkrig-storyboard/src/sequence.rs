@@ -105,7 +105,7 @@ pub(crate) fn sequence_of(
 
 /// Frames before the first that is asked for, and behind the last.
 fn free(clip: &Generated) -> (usize, usize) {
-    let asks = clip.plan.asks();
+    let asks = [clip.plan.asks(), clip.plan.on_path()].concat();
     let frames = || asks.iter().map(|ask| ask.frame);
     let length = clip.motion.len();
     let head = frames().min().unwrap_or(length);
@@ -224,17 +224,7 @@ mod tests {
         let motion = (0..frames).map(|at| pose.map(|p| p + Vec3::Z * speed * at as f32)).collect();
         let ways = asked.iter().map(|at| (20, *at, vec![Vec2::ZERO])).collect();
         let camera = Camera::default();
-        let plan = Plan {
-            word: String::new(),
-            frames,
-            camera,
-            usual_view: true,
-            pose: Vec::new(),
-            keypose: None,
-            ways,
-            placed: true,
-            space: crate::space::Space::default(),
-        };
+        let plan = Plan { ways, ..Plan::of_word(String::new(), frames, camera) };
         Generated { contacts: Vec::new(), motion, plan, error: 0.0, worst: 0.0, candidate: 0, evaluations: 0 }
     }
 

@@ -265,17 +265,7 @@ mod tests {
     }
 
     fn plan() -> Plan {
-        Plan {
-            word: String::new(),
-            frames: 40,
-            camera: Camera::default(),
-            usual_view: true,
-            pose: Vec::new(),
-            keypose: None,
-            ways: Vec::new(),
-            placed: true,
-            space: Space::default(),
-        }
+        Plan::of_word(String::new(), 40, Camera::default())
     }
 
     #[test]

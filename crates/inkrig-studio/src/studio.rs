@@ -526,3 +526,49 @@ fn own(stroke: &mut Option<Stroke>, client: u64, number: u32) -> Result<&mut Str
 pub(crate) fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::replace;
+    use crate::document::Document;
+    use serde_json::{Value, json};
+
+    /// Clips of a document in which `fresh` has come last and is to replace `old`.
+    fn clips(more: &Value) -> Vec<String> {
+        let clip = |id: &str| json!({"id": id, "name": id, "file": "a.bvh"});
+        let clips: Vec<Value> = ["other", "old", "third", "fresh"].into_iter().map(clip).collect();
+        let mut document = json!({"clips": clips});
+        for (key, value) in more.as_object().unwrap() {
+            document[key] = value.clone();
+        }
+        let mut document: Document = serde_json::from_value(document).unwrap();
+        replace(&mut document, "old", "fresh");
+        document.clips.into_iter().map(|clip| clip.id).collect()
+    }
+
+    #[test]
+    fn a_clip_is_replaced_where_nothing_depends_on_it() {
+        let (replaced, beside) = (["other", "fresh", "third"], ["other", "old", "third", "fresh"]);
+        let key = |of: Value| {
+            let mut key = json!({"id": "k", "kind": "fixed"});
+            key.as_object_mut().unwrap().extend(of.as_object().unwrap().clone());
+            json!({"keys": [key]})
+        };
+        let pose = |clip: &str| key(json!({"kind": "soft", "pose": {"clip": clip, "frame": 3}}));
+        let fixed = |clip: &str| key(json!({"fixed": {"clip": clip, "from": 0.0, "to": 1.0}}));
+        let source = |clips: &[&str]| json!({"source": {"clips": clips, "range": null, "laps": 1}});
+        for (more, expected) in [
+            (json!({}), &replaced[..]),
+            // It alone is arranged, and nothing is followed: the new one is shown in its place.
+            (source(&["old"]), &replaced),
+            (source(&["other", "third"]), &replaced),
+            (source(&["old", "third"]), &beside),
+            (pose("old"), &beside),
+            (pose("third"), &replaced),
+            (fixed("old"), &beside),
+            (fixed("other"), &replaced),
+        ] {
+            assert_eq!(clips(&more), expected, "{more}");
+        }
+    }
+}

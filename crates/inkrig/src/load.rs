@@ -6,9 +6,10 @@ use crate::error::CliError;
 use crate::inputs;
 use crate::printable;
 use inkrig_formats::{
-    ClipChoice, Finding, Format, Import, ImportOptions, Severity, UpAxis, companion_beside, read_in_folder,
-    read_motion,
+    ClipChoice, FileSource, Finding, Format, FormatError, Import, ImportOptions, Severity, UpAxis,
+    companion_beside, read_in_folder, read_motion, read_motions,
 };
+use inkrig_motion::Clip;
 use inkrig_sketch::{Curve, Drawing, read_curve, read_drawing};
 use inkrig_sound::Sound;
 use std::fs::File;
@@ -20,6 +21,23 @@ use std::path::Path;
 /// # Errors
 /// When it is not there, too large, of an unknown kind, or not understood.
 pub fn motion(path: &Path, args: &ImportArgs) -> Result<Import, CliError> {
+    opened(path, args, read_motion)
+}
+
+/// The same, and all other clips of the file in their order.
+///
+/// # Errors
+/// As [`motion`].
+pub(crate) fn motions(path: &Path, args: &ImportArgs) -> Result<(Import, Vec<Clip>), CliError> {
+    opened(path, args, read_motions)
+}
+
+/// What somebody reads of a motion file.
+fn opened<T>(
+    path: &Path,
+    args: &ImportArgs,
+    read: impl FnOnce(&[u8], Format, &ImportOptions, FileSource<'_>) -> Result<T, FormatError>,
+) -> Result<T, CliError> {
     let (path, clip) = clip_path::split(path);
     let (path, clip) = (path.as_path(), clip.as_ref().or(args.clip.as_ref()));
     let known = "known motion files: .bvh, .fbx, .glb, .gltf, .vrm, .vrma, .amc (with its .asf), DeepMimic's .txt or .json";
@@ -50,7 +68,7 @@ pub fn motion(path: &Path, args: &ImportArgs) -> Result<Import, CliError> {
         inputs::note(&folder.join(name), &bytes).map_err(std::io::Error::other)?;
         Ok(bytes)
     };
-    read_motion(&bytes, format, &options, &files)
+    read(&bytes, format, &options, &files)
         .map_err(|error| CliError::Format { path: path.to_path_buf(), cause: Box::new(error) })
 }
 

@@ -4,6 +4,7 @@ mod read;
 mod write;
 
 pub use read::read_fbx;
+pub(crate) use read::read_fbx_with;
 pub use write::write_fbx;
 
 /// Ticks of the format's clock in a second.

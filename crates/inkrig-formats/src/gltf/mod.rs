@@ -50,6 +50,16 @@ pub fn read_gltf(
     options: &ImportOptions,
     files: FileSource<'_>,
 ) -> Result<Import, FormatError> {
+    read_gltf_with(bytes, options, files, None)
+}
+
+/// The same; all clips but the chosen one go to `others`, where somebody wants them.
+pub(crate) fn read_gltf_with(
+    bytes: &[u8],
+    options: &ImportOptions,
+    files: FileSource<'_>,
+    others: Option<&mut Vec<Clip>>,
+) -> Result<Import, FormatError> {
     options.check()?;
     options.limits.check_bytes(bytes)?;
     let container = container::open(bytes)?;
@@ -75,6 +85,11 @@ pub fn read_gltf(
         Some(index) => parts.clip(index, options, files, &mut findings)?,
         None => parts.rest_pose(options, &mut findings)?,
     };
+    if let Some(others) = others {
+        for index in (0..clips.len()).filter(|index| Some(*index) != chosen) {
+            others.push(parts.clip(index, options, files, &mut findings)?);
+        }
+    }
     size_findings(&clip, &stage, &mut findings);
     let declared = |given: bool, evidence| if given { Evidence::Given } else { evidence };
     let source = SourceInfo {

@@ -123,7 +123,9 @@ fn is_stroke(value: &serde_json::Value) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Constraint, Edit, End, FrameCamera, Pin, SideChoice, Sides, Stroke, Trajectory};
+    use super::super::{
+        Constraint, Edit, End, FrameCamera, FramePath, Pin, SideChoice, Sides, Stroke, Trajectory,
+    };
     use super::*;
 
     fn board() -> Storyboard {
@@ -138,6 +140,7 @@ mod tests {
             sides: Sides { arms: SideChoice::Swapped, legs: SideChoice::Read },
             word: "kick".into(),
             lettering: vec![line.clone()],
+            path: Some(FramePath::Of(3)),
             body: vec![line.clone(), line.clone()],
             trajectories: vec![way, Trajectory { points: line.clone(), ..Trajectory::default() }],
             speed_lines: vec![line.clone()],

@@ -4,12 +4,14 @@
 mod check;
 mod colours;
 mod file;
+mod path;
 mod rows;
 mod space;
 mod svg;
 
 pub use colours::{Kind, kind_of_colour};
 pub use file::{read_storyboard, write_storyboard};
+pub use path::FramePath;
 pub use space::{Constraint, Edit};
 pub use svg::read_storyboard_svg;
 
@@ -42,6 +44,9 @@ pub struct Frame {
     /// The word as it was written by hand. A typed one wins.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub lettering: Vec<Stroke>,
+    /// The way over the ground that it takes over from what was made of another frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<FramePath>,
     /// The figure.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub body: Vec<Stroke>,

@@ -14,6 +14,8 @@ const NEARBY: (f64, f64) = (8.0, 50.0);
 pub enum Source {
     /// A trajectory.
     Way,
+    /// A way over the ground that was taken over from another clip.
+    Path,
     /// A joint that the user has placed on the picture.
     Pin,
     /// A joint that was read of the figure: it gives way to the others where a body cannot have all.
@@ -77,7 +79,7 @@ impl Goal {
     }
 
     /// The place nearest to another that meets it.
-    pub(crate) fn nearest(&self, place: Vec3) -> Vec3 {
+    pub fn nearest(&self, place: Vec3) -> Vec3 {
         let axes = self.measured().map(|(axis, _)| axis).zip(self.miss(place).to_array());
         axes.fold(place, |place, (axis, off)| place - off * axis)
     }
@@ -108,10 +110,16 @@ impl Asked<'_> {
         self.constraints.iter().any(on)
     }
 
-    /// Whether it is said where in space a joint is.
-    pub(super) fn holds(&self, frame: usize, joint: usize) -> bool {
-        let own = |goal: &Goal| (goal.frame, goal.joint) == (frame, joint);
-        self.on_something(frame, joint) || self.edits().any(own)
+    /// Whether it is said where in space each joint is, for so many frames.
+    pub(super) fn held(&self, frames: usize) -> Vec<[bool; JOINTS]> {
+        let mut held = vec![[false; JOINTS]; frames];
+        let on = self.constraints.iter().filter_map(|own| Some((own.rule.on()?, own.frames.clone())));
+        let put = self.edits().map(|goal| (goal.joint, goal.frame..goal.frame + 1));
+        for (joint, own) in on.chain(put) {
+            let own = own.start.min(frames)..own.end.min(frames);
+            held[own].iter_mut().filter_map(|held| held.get_mut(joint)).for_each(|held| *held = true);
+        }
+        held
     }
 
     /// The largest miss of places in space, and, where `drawn` counts, of all that is asked for, metres.

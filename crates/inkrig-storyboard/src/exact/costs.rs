@@ -58,6 +58,8 @@ pub(super) struct Costs<'a> {
     stands: Vec<Stand>,
     /// Whether each foot swings.
     swings: Vec<[bool; 2]>,
+    /// Whether it is said where in space each joint is.
+    held: Vec<[bool; JOINTS]>,
     /// Whether each foot goes along a drawn way.
     lifts: Vec<[bool; 2]>,
     weights: [f64; JOINTS],
@@ -88,9 +90,24 @@ impl<'a> Costs<'a> {
         asked.stiffen(&mut weights);
         let swings = standing.iter().map(|stands| stands.map(|stands| !stands)).collect();
         let stays = asked.stays(stances.len());
-        let lifts = lifts(asked, places.len());
+        let (held, lifts) = (asked.held(places.len()), lifts(asked, places.len()));
         let (goal, pose, edit) = (1.0, POSE, 1.0);
-        Self { body, bones, places, asked, standing, stands, swings, lifts, weights, stays, goal, pose, edit }
+        Self {
+            body,
+            bones,
+            places,
+            asked,
+            standing,
+            stands,
+            swings,
+            held,
+            lifts,
+            weights,
+            stays,
+            goal,
+            pose,
+            edit,
+        }
     }
 
     /// Tells of all costs of a motion.
@@ -115,7 +132,7 @@ impl<'a> Costs<'a> {
         }
         for (frame, (own, before)) in now.iter().zip(&self.places).enumerate() {
             for (joint, floor) in ABOVE {
-                if self.asked.holds(frame, joint) {
+                if self.held[frame][joint] {
                     continue;
                 }
                 let of = |feet: &[[bool; 2]]| {
@@ -138,7 +155,7 @@ impl<'a> Costs<'a> {
             let weight = match goal.source {
                 Source::Pose => self.pose * self.goal,
                 Source::Edit => self.edit,
-                Source::Way | Source::Pin => self.goal,
+                Source::Way | Source::Path | Source::Pin => self.goal,
             };
             for (axis, at) in goal.measured() {
                 let axis = axis.as_dvec3();

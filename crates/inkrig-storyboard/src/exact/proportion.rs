@@ -34,7 +34,9 @@ pub fn proportion(clip: &Clip, goals: &mut [Goal]) -> Proportioned {
     }
     let body = Body::of(clip).with_limbs(BENT);
     let stances = body.stances(clip);
-    for (frame, stance) in stances.iter().enumerate() {
+    let first = goals.iter().map(|goal| goal.frame).min().unwrap_or(0);
+    let count = goals.iter().map(|goal| goal.frame + 1).max().unwrap_or(0).saturating_sub(first);
+    for (frame, stance) in stances.iter().enumerate().skip(first).take(count) {
         // Ways first, for themselves: a pose is moved to where they leave it.
         for moves in [Source::Way, Source::Pose] {
             let counts = |goal: &&Goal| {

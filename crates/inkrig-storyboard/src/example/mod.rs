@@ -20,6 +20,9 @@ const LEAST_FRAMES: usize = 4;
 /// Frames of all clips together that are searched: an hour and a half at 60 a second.
 const MOST_FRAMES: usize = 324_000;
 
+/// What is said of a frame that chooses one of several motions, where clips are found.
+pub const NO_TAKE: &str = "its `take` counts for nothing: one motion is found among the examples. Only sampled ones are chosen from";
+
 /// What skeletons are told apart by: each joint's name and parent.
 type Form = Vec<(String, Option<usize>)>;
 

@@ -3,7 +3,8 @@
 use super::{Answer, Library, Retrieved, words};
 use crate::error::StoryboardError;
 use crate::exact::joints_of;
-use crate::generate::{Generated, cost, error, offset};
+use crate::generate::{Generated, cost, error, placed};
+use crate::path::facing;
 use crate::plan::Plan;
 use inkrig_align::{Control, ControlKind, Options, Preset, align};
 use inkrig_motion::glam::{Quat, Vec2, Vec3};
@@ -59,7 +60,8 @@ impl Library {
             .collect()
     }
 
-    /// Answers each plan with a clip. `drawn`: whether the drawing counts, not only the word.
+    /// Answers each plan with a clip, those of a storyboard in its order: a plan may take over the path of an earlier one's clip.
+    /// `drawn`: whether the drawing counts, not only the word.
     ///
     /// # Errors
     /// When the clips are no person's, or numbers are not finite.
@@ -76,7 +78,13 @@ impl Library {
                 todo: "Draw a way without a figure, or give clips of a person".into(),
             });
         }
-        plans.iter().map(|plan| answer(&people, plan, body, drawn)).collect()
+        let mut answers: Vec<Answer> = Vec::new();
+        for (at, plan) in plans.iter().enumerate() {
+            let leads = plan.path_of(at + 1).and_then(|frame| answers.get(frame.checked_sub(1)?));
+            let plan = leads.map_or_else(|| plan.clone(), |leads| plan.along(&leads.clip.motion));
+            answers.push(answer(&people, &plan, body, drawn)?);
+        }
+        Ok(answers)
     }
 }
 
@@ -96,7 +104,7 @@ fn answer(people: &[Person], plan: &Plan, body: &Joints, drawn: bool) -> Result<
     for window in &found {
         take(window, &window.motion, false)?;
     }
-    if let Some(window) = found.first().filter(|_| drawn && !plan.ways.is_empty())
+    if let Some(window) = found.first().filter(|_| drawn && (!plan.ways.is_empty() || plan.path.is_some()))
         && let Some(motion) = aligned(window, plan, body)?
     {
         take(window, &motion, true)?;
@@ -120,7 +128,7 @@ fn windows<'a>(people: &'a [Person], plan: &Plan, drawn: bool) -> Vec<Window<'a>
                 let firsts = (0..=person.motion.len() - length).step_by(STRIDE);
                 firsts.map(move |first| {
                     let motion = begun(&at_pace(&person.motion[first..first + length], plan.frames));
-                    let moved = plan.moved(offset(plan, &motion));
+                    let moved = placed(plan, &motion);
                     let near = if drawn { error(&moved, &motion)[0] } else { 0.0 };
                     let score = near + OTHER_WORD * word + OTHER_PACE * pace.ln().abs();
                     // The motion itself is made again for the few that are kept: all of them would be gigabytes.
@@ -159,8 +167,7 @@ fn at_pace(motion: &[Joints], frames: usize) -> Vec<Joints> {
 /// The same motion begun above the origin, facing +z, as high as it is.
 fn begun(motion: &[Joints]) -> Vec<Joints> {
     let Some(first) = motion.first() else { return Vec::new() };
-    let across = (first[1] - first[2]).normalize_or_zero() + (first[16] - first[17]).normalize_or_zero();
-    let back = Quat::from_rotation_y(-(-across.z).atan2(across.x));
+    let back = Quat::from_rotation_y(-facing(first));
     let from = Vec3::new(first[0].x, 0.0, first[0].z);
     motion.iter().map(|pose| pose.map(|place| back * (place - from))).collect()
 }
@@ -179,9 +186,10 @@ fn aligned(window: &Window<'_>, plan: &Plan, body: &Joints) -> Result<Option<Vec
             let at = frame.saturating_sub(*first).min(places.len().saturating_sub(1));
             rows.extend(places.get(at).map_or([0.0; 2], Vec2::to_array));
         }
+        rows.extend(plan.path.iter().flat_map(|path| path.get(frame).map_or([0.0; 2], |at| [at.x, at.z])));
     }
     let control = Control {
-        features: Features::new(rows, 2 * plan.ways.len())?,
+        features: Features::new(rows, 2 * (plan.ways.len() + usize::from(plan.path.is_some())))?,
         rate: FRAME_RATE,
         cyclic: false,
         domain: None,
@@ -208,17 +216,17 @@ fn generated(plan: &Plan, motion: &[Joints]) -> Result<Generated, StoryboardErro
         .filter_map(|row| row[Blocks::CONTACTS].try_into().ok())
         .collect();
     contacts.resize(motion.len(), contacts.last().copied().unwrap_or([0.5; 4]));
-    let moved = plan.moved(offset(plan, motion));
+    let moved = placed(plan, motion);
     let [error, worst] = error(&moved, motion);
     let motion = keep_footing(motion, &contacts, FRAME_RATE, &[])?.frames;
-    let plan = moved.moved(offset(&moved, &motion));
+    let plan = placed(&moved, &motion);
     Ok(Generated { motion, contacts, plan, error, worst, candidate: 0, evaluations: 0 })
 }
 
 fn retrieved(window: &Window<'_>, clip: &Generated, aligned: bool) -> Retrieved {
     let plan = &clip.plan;
     let of = |part: Plan| {
-        let asked = !part.asks().is_empty();
+        let asked = !part.asks().is_empty() || part.path.is_some();
         asked.then(|| error(&part, &clip.motion)[0])
     };
     Retrieved {
@@ -226,7 +234,7 @@ fn retrieved(window: &Window<'_>, clip: &Generated, aligned: bool) -> Retrieved 
         seconds: [window.first, window.first + window.length].map(|frame| frame as f64 / FRAME_RATE),
         word: window.word,
         path: of(Plan { keypose: None, ..plan.clone() }),
-        pose: of(Plan { ways: Vec::new(), ..plan.clone() }),
+        pose: of(Plan { ways: Vec::new(), path: None, ..plan.clone() }),
         aligned,
     }
 }

@@ -86,6 +86,44 @@ fn a_hound_and_a_snake_go_where_a_line_is_drawn() {
 }
 
 #[test]
+fn a_body_does_not_jump_after_a_pause() {
+    let library = library(&[("trot", sample("quadruped.bvh"))]);
+    for pause in [0.5, 2.0] {
+        let board = drawn(&format!("{BEND}, {{\"word\": \"trot\", \"seconds\": {pause}}}, {BEND}"));
+        let [soft, pinned] =
+            [Exact::Soft, Exact::Pin(MeetOptions::default())].map(|exact| made(&library, &board, &exact));
+        let carrier = pinned.clip.travel_joint();
+        let [own, plain] = [&pinned.clip, &soft.clip].map(kinematics::positions);
+        // How far pins shift the body: that goes on from frame to frame, and a way begins with what is left of it.
+        let shift = |frame: usize| own.frame(frame)[carrier] - plain.frame(frame)[carrier];
+        let given = shift(pinned.parts[1].begins - 1).length();
+        let jumps = (pinned.parts[1].begins..=pinned.parts[2].begins)
+            .map(|frame| shift(frame).distance(shift(frame - 1)))
+            .fold(0.0, f32::max);
+        println!(
+            "{given:.3} m off at the end of a way; in {pause} s given back by {jumps:.4} m a frame at most"
+        );
+        assert!(given > 0.02 && jumps < 0.1 * given, "{given} {jumps}");
+    }
+}
+
+#[test]
+fn what_is_too_long_is_said() {
+    let library = library(&[("trot", sample("quadruped.bvh"))]);
+    let long = drawn(&[r#"{"word": "trot", "seconds": 60}"#; 11].join(","));
+    let read = |(at, frame): (usize, &Frame)| read_creature(frame, at + 1, &library).unwrap();
+    let frames: Vec<_> = long.frames.iter().enumerate().map(read).collect();
+    let said = creature(&library, &frames, &Exact::Soft).unwrap_err().to_string();
+    assert!(said.contains("frame 11: with it the animation is longer than 10 minutes"), "{said}");
+    let slow = drawn(r#"{"trajectories": [{"points": [[0, 0, 0], [9, 9, 75]]}]}"#);
+    let said = read_creature(&slow.frames[0], 1, &library).unwrap_err().to_string();
+    assert!(said.contains("trajectory 1 lasts 75.0 s, but at most 60 s"), "{said}");
+    let fitted = drawn(r#"{"seconds": 5, "trajectories": [{"points": [[0, 0, 0], [9, 9, 75]]}]}"#);
+    let read = read_creature(&fitted.frames[0], 1, &library).unwrap();
+    assert!(read.seconds == 5.0 && read.ways[0].seconds == 5.0 && read.notes[0].contains("made to fit"));
+}
+
+#[test]
 fn another_word_takes_another_clip_and_a_limb_follows_its_own_line() {
     let hound = sample("quadruped.bvh");
     let (half, end) = (hound.frames() / 2, hound.frames());

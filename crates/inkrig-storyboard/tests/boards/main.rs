@@ -13,5 +13,6 @@ mod examples;
 mod motions;
 mod onto;
 mod pages;
+mod paths;
 mod support;
 mod understanding;

@@ -72,7 +72,17 @@ fn coarse_colours_and_noise_change_no_stroke() {
         }
         let read = storyboard_of_picture(&Picture { width, height, pixels: &pixels }).unwrap();
         assert_eq!(read.frames.len(), board.frames.len(), "{}", sample.name);
-        for (own, drawn) in read.frames.iter().zip(&board.frames) {
+        let clean = storyboard_of_picture(&Picture { width, height, pixels: &plain }).unwrap();
+        let length = |frame: &Frame| -> f64 {
+            let lines = frame.trajectories.iter().map(|way| &way.points.points);
+            let pairs = lines.flat_map(|line| line.windows(2));
+            pairs.map(|pair| (pair[0][0] - pair[1][0]).hypot(pair[0][1] - pair[1][1])).sum()
+        };
+        for ((own, drawn), clean) in read.frames.iter().zip(&board.frames).zip(&clean.frames) {
+            // Cut or not, all of the line is there, and no more.
+            let (own_length, clean) = (length(own), length(clean));
+            assert!((own_length - clean).abs() <= 0.1 * clean, "{}: {own_length} of {clean}", sample.name);
+            println!("{}: {own_length:.1} of {clean:.1}", sample.name);
             println!(
                 "{}: ways {} of {}, strokes of the body {}, of the scene {} of {}",
                 sample.name,

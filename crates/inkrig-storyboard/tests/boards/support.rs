@@ -73,6 +73,7 @@ pub(crate) fn generated(
         features: &model.features,
         places: &model.places,
         no_text: &no_text,
+        body: &model.body,
         usual_frames: 40,
     };
     let options = MakerOptions { sampling: sampling.clone(), drawn, candidates: 1, seed: 0 };

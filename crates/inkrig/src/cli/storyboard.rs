@@ -53,9 +53,9 @@ pub struct StoryboardArgs {
     /// Which of the motions: the same seed gives the same
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// How many motions are made of a frame, of which the best is taken
-    #[arg(long, value_name = "NUMBER", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=64))]
-    pub candidates: u16,
+    /// How many motions are made of a frame, of which the best is taken [default: 4]
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=64))]
+    pub candidates: Option<u16>,
     /// How a frame goes over into the next: smooth (cubics), or model (made by the model, slower)
     #[arg(long, default_value = "smooth")]
     pub blend: BlendArg,
@@ -74,9 +74,9 @@ pub struct StoryboardArgs {
     /// How much more the word counts than no word does [default: the model's own]
     #[arg(long, value_name = "WEIGHT", value_parser = numbers::text_weight, allow_negative_numbers = true)]
     pub text_weight: Option<f64>,
-    /// The motion is drawn to the lines at every so many steps, the last among them
-    #[arg(long, value_name = "STEPS", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
-    pub guide_every: u16,
+    /// The motion is drawn to the lines at every so many steps, the last among them [default: 5]
+    #[arg(long, value_name = "STEPS", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub guide_every: Option<u16>,
     /// For models that take T5's or CLIP's text: a folder with its config.json, tokenizer.json and model.safetensors
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     pub text_model: Option<PathBuf>,

@@ -3,14 +3,15 @@
 
 use super::generate::{HUMANOID, Model, named_model};
 use super::storyboard::{
-    Asked, Made, Next, Part, Reader, Settings, Takes, Workshop, all, frames, parts, pose, poses, ways,
+    Asked, CANDIDATES, GUIDE_EVERY, Made, Next, Part, Reader, Settings, Takes, Workshop, all, frames, parts,
+    pose, poses, ways,
 };
 use crate::cli::{BlendArg, ExactArg};
 use crate::error::CliError;
 use inkrig_formats::{ExportOptions, Format, HumanBone, write_motion};
 use inkrig_generate::text::{TextEncoder, VERBS};
 use inkrig_motion::humanml::{Joints, NAMES};
-use inkrig_sketch::storyboard::Storyboard;
+use inkrig_sketch::storyboard::{Frame, Storyboard};
 use inkrig_storyboard::{Generated, StoryboardError, Understood};
 use inkrig_studio::storyboard::{
     BoardAsked, BoardExact, BoardProgress, MadeBoard, MadeFrame, MadeTake, MadeTransition, MadeWay, NotMade,
@@ -97,17 +98,20 @@ impl Boards {
             blend: BlendArg::Smooth,
             steps: None,
             text_weight: None,
-            candidates: 4,
-            guide_every: 5,
+            candidates: CANDIDATES,
+            guide_every: GUIDE_EVERY,
             seed: 0,
         };
         let workshop = Workshop { model, encoder: encoder.as_ref(), settings: &settings, path };
         let mut takes = self.takes.lock().unwrap_or_else(PoisonError::into_inner);
-        let understood = match only {
-            Some(number) => one(board, number, &workshop, &takes)?,
-            None => frames(board, model, path)?.into_iter().map(Some).collect(),
+        let (understood, alone) = match only {
+            Some(number) => one(board, number, &workshop, &mut takes)?,
+            None => (frames(board, model, path)?.into_iter().map(Some).collect(), false),
         };
-        let asked: Vec<Asked<'_>> = all(board, understood.iter().map(Option::as_ref));
+        let mut asked: Vec<Asked<'_>> = all(board, understood.iter().map(Option::as_ref));
+        if alone {
+            asked.iter_mut().for_each(|asked| asked.joined = Some(asked.number) == only);
+        }
         let mut before = 0;
         let watch = &mut |next: Next| match next {
             // Of one frame, the others are here already.
@@ -120,6 +124,7 @@ impl Boards {
         };
         let made = workshop.make(&asked, &mut takes, watch)?;
         drop(takes);
+        asked.retain(|asked| asked.joined);
         let export = ExportOptions {
             name: Some(board.title.clone()),
             humanoid: HUMANOID.map(|(name, joint)| HumanBone { name, joint }).to_vec(),
@@ -139,33 +144,52 @@ impl Boards {
     }
 }
 
-/// Reads one frame, and the others where all of them can be read and were made before; these are left out otherwise.
+/// Reads one frame, and the others where all of them can be read and were made before. Else says that it is alone, and has only those
+/// whose paths it takes over.
 fn one(
     board: &Storyboard,
     number: usize,
     workshop: &Workshop<'_>,
-    takes: &Takes,
-) -> Result<Vec<Option<Understood>>, CliError> {
+    takes: &mut Takes,
+) -> Result<(Vec<Option<Understood>>, bool), CliError> {
     let reader = Reader::open(board, workshop.model, workshop.path)?;
-    let mut read = Vec::new();
+    let own = reader.read(number, board.frames.get(number - 1).unwrap_or(&Frame::default()))?;
+    let (mut read, mut before): (Vec<Option<Understood>>, Vec<(usize, Generated)>) = Default::default();
+    // Those that are made anew: the frame, and what goes along its path.
+    let mut anew = vec![number];
     let mut alone = false;
-    for (number_of, frame) in (1..).zip(&board.frames) {
-        if number_of == number {
-            read.push(Some(reader.read(number, frame)?));
+    for (of, frame) in (1..).zip(&board.frames) {
+        if of == number {
+            read.push(Some(own.clone()));
             continue;
         }
-        let other = (!alone).then(|| reader.read(number_of, frame).ok()).flatten();
-        let kept = match &other {
-            Some(other) => takes.has(&workshop.order(&Asked { number: number_of, frame, read: other })?),
-            None => false,
-        };
-        alone |= !kept;
+        let other = (!alone).then(|| reader.read(of, frame).ok()).flatten();
+        let leads = other.as_ref().and_then(|other| other.plan.path_of(of));
+        if leads.is_some_and(|leads| anew.contains(&leads)) {
+            anew.push(of);
+        } else if let Some(read) = &other {
+            let asked = Asked { number: of, frame, read, joined: true };
+            match workshop.kept(&asked, &before, takes)? {
+                Some(clip) => before.push((of, clip)),
+                None => alone = true,
+            }
+        } else {
+            alone = true;
+        }
         read.push(other);
     }
     if alone {
-        (1..).zip(&mut read).filter(|(of, _)| *of != number).for_each(|(_, other)| *other = None);
+        let mut wanted = own.plan.path_of(number);
+        read = vec![None; board.frames.len()];
+        while let Some((of, frame)) = wanted.and_then(|of| Some((of, board.frames.get(of.checked_sub(1)?)?)))
+        {
+            let other = reader.read(of, frame)?;
+            wanted = other.plan.path_of(of);
+            read.get_mut(of - 1).into_iter().for_each(|read| *read = Some(other.clone()));
+        }
+        read.get_mut(number - 1).into_iter().for_each(|read| *read = Some(own.clone()));
     }
-    Ok(read)
+    Ok((read, alone))
 }
 
 impl Loaded {
@@ -228,9 +252,45 @@ fn shown(clip: &Generated) -> MadeTake {
         };
         LINES.map(|line| line.iter().map(seen).collect())
     };
-    let asked = !clip.plan.asks().is_empty();
+    let asked = !clip.plan.asks().is_empty() || clip.plan.path.is_some();
     MadeTake {
         mean_miss: asked.then_some(clip.error),
         poses: (0..SHOWN).map(|at| pose(at * last / (SHOWN - 1))).collect(),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::*;
+
+    fn made(boards: &Boards, words: [&str; 3], frame: Option<usize>) -> MadeBoard {
+        let [a, b, c] = words;
+        let text = format!(
+            r#"{{"inkrig_storyboard": 1, "frames": [{{"word": "{a}"}}, {{"word": "{b}", "path": "continue"}}, {{"word": "{c}"}}]}}"#
+        );
+        let board = inkrig_sketch::storyboard::read_storyboard(text.as_bytes()).unwrap();
+        let asked = BoardAsked { exact: BoardExact::Soft, frame };
+        boards.make(&board, asked, &mut |_| ControlFlow::Continue(0)).unwrap()
+    }
+
+    fn takes(made: &MadeBoard, number: usize) -> &[MadeTake] {
+        &made.frames.iter().find(|frame| frame.number == number).unwrap().takes
+    }
+
+    #[test]
+    fn a_frame_that_is_made_again_takes_along_what_goes_on_its_path() {
+        let boards = Boards::default();
+        // Alone, but for the one that leads, which is made and not shown.
+        let alone = made(&boards, ["walk", "wave", "kick"], Some(2));
+        assert_eq!(alone.frames.iter().map(|frame| frame.number).collect::<Vec<_>>(), [2]);
+        let whole = made(&boards, ["walk", "wave", "kick"], None);
+        assert_eq!(takes(&whole, 2), takes(&alone, 2));
+        let other = made(&boards, ["run", "wave", "kick"], Some(1));
+        assert_eq!(other.frames.len(), 3, "all others are there");
+        assert_ne!(takes(&other, 1), takes(&whole, 1));
+        assert_ne!(takes(&other, 2), takes(&whole, 2), "its path is another");
+        assert_eq!(takes(&other, 3), takes(&whole, 3));
+        assert_eq!(other, made(&boards, ["run", "wave", "kick"], None));
     }
 }

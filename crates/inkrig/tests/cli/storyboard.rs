@@ -76,10 +76,18 @@ fn report(folder: &std::path::Path, name: &str, more: &[&str]) -> serde_json::Va
     serde_json::from_slice(&std::fs::read(folder.join(report)).unwrap()).unwrap()
 }
 
-/// The lines of a motion's frames in a BVH file.
-fn motion(folder: &std::path::Path, name: &str) -> Vec<String> {
+/// The channels of a motion's frames in a BVH file.
+fn motion(folder: &std::path::Path, name: &str) -> Vec<Vec<f64>> {
     let file = std::fs::read_to_string(folder.join(name)).unwrap();
-    file.lines().skip_while(|line| !line.starts_with("Frame Time")).skip(1).map(str::to_owned).collect()
+    let lines = file.lines().skip_while(|line| !line.starts_with("Frame Time")).skip(1);
+    lines.map(|line| line.split_whitespace().map(|number| number.parse().unwrap()).collect()).collect()
+}
+
+/// The largest difference of two motions' channels, whole turns left out.
+fn differ(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let pairs = a.iter().flatten().zip(b.iter().flatten());
+    pairs.map(|(a, b)| ((a - b + 180.0).rem_euclid(360.0) - 180.0).abs()).fold(0.0, f64::max)
 }
 
 #[test]
@@ -114,8 +122,13 @@ fn a_joint_is_put_in_space_and_ends_can_be_kept() {
         (&true.into(), &serde_json::Value::Null)
     );
     // The other frame's own motion is the same in both, but for the body that it is written on.
-    assert_eq!(motion(&folder, "plain-made-2.bvh").len(), motion(&folder, "edited-made-2.bvh").len());
-    assert_ne!(motion(&folder, "plain-made-1.bvh"), motion(&folder, "edited-made-1.bvh"));
+    let [own, other] = [1, 2].map(|number| {
+        let [before, after] =
+            ["plain", "edited"].map(|name| motion(&folder, &format!("{name}-made-{number}.bvh")));
+        differ(&before, &after)
+    });
+    println!("channels differ by {own} in the edited frame, by {other} in the other");
+    assert!(other < 0.5 && own > 10.0, "{own} {other}");
     write("far", serde_json::json!({"joint": "head", "frame": 3, "at": [0, 9, 0]}));
     write("late", serde_json::json!({"joint": "head", "frame": 300, "at": [0, 1, 0]}));
     write("nobody", serde_json::json!({"joint": "tail", "frame": 3, "at": [0, 1, 0]}));
@@ -129,6 +142,53 @@ fn a_joint_is_put_in_space_and_ends_can_be_kept() {
         assert!(output.status.code() == Some(1) && said.contains(&part.replace(' ', "")), "{name}: {said}");
         assert!(!folder.join("out.bvh").exists());
     }
+}
+
+#[test]
+fn a_frame_takes_over_the_path_of_another() {
+    let (_keep, folder) = desk();
+    let sample = inkrig::samples::find("walk-and-wave.json").unwrap();
+    let mut board: serde_json::Value = serde_json::from_slice(sample.bytes).unwrap();
+    let write = |name: &str, board: &serde_json::Value| {
+        std::fs::write(folder.join(format!("{name}.json")), board.to_string()).unwrap();
+    };
+    board["frames"][1] = serde_json::json!({"word": "walk", "path": "continue"});
+    write("on", &board);
+    let soft = report(&folder, "on", &[]);
+    let path = &soft["parts"][1]["path"];
+    assert_eq!((&path["of"], &path["continues"]), (&1.into(), &true.into()), "{soft}");
+    assert!(path["result"][0].as_f64().unwrap() < 0.06, "{path}");
+    assert_eq!(soft["parts"][0]["path"], serde_json::Value::Null);
+    let pinned =
+        report(&folder, "on", &["--exact", "pin", "--sheet", "on.png", "--video", "on.gif", "--force"]);
+    assert!(pinned["parts"][1]["path"]["result"][1].as_f64().unwrap() < 0.01, "{pinned}");
+    let off = report(&folder, "on", &["--exact", "off"]);
+    assert!(off["parts"][1]["path"]["result"][0].as_f64().unwrap() < 0.25, "{off}");
+    // The motion depends on it, and on the frame that leads.
+    board["frames"][1]["path"] = serde_json::Value::Null;
+    write("alone", &board);
+    let alone = report(&folder, "alone", &[]);
+    assert_ne!(alone["parts"][1]["evaluations"], soft["parts"][1]["evaluations"]);
+    assert_ne!(motion(&folder, "on-made.bvh"), motion(&folder, "alone-made.bvh"));
+    for (name, path, part) in [
+        (
+            "late",
+            serde_json::json!(2),
+            "frame 2: it is to go the way of frame 2, which is not made before it",
+        ),
+        ("odd", serde_json::json!("repeat"), "\"continue\", or the place of an earlier frame"),
+    ] {
+        board["frames"][1]["path"] = path;
+        write(name, &board);
+        let output = inkrig(&folder, &["storyboard", &format!("{name}.json"), "-o", "out.bvh"]);
+        let said = text(&output.stderr).replace(['\n', '│', ' '], "");
+        assert!(output.status.code() == Some(1) && said.contains(&part.replace(' ', "")), "{name}: {said}");
+    }
+    board["frames"][0]["path"] = "continue".into();
+    board["frames"][1]["path"] = serde_json::Value::Null;
+    write("own", &board);
+    let output = inkrig(&folder, &["storyboard", "own.json", "-o", "out.bvh"]);
+    assert!(text(&output.stderr).contains("cannot go both ways"), "{}", text(&output.stderr));
 }
 
 const TROT: &str = r#"{"inkrig_storyboard": 1, "frames": [{"word": "trot", "trajectories": [{"points": [[0,0,0],[60,10,1],[100,50,2],[110,90,3]]}]}]}"#;
@@ -172,9 +232,29 @@ fn an_animal_is_animated_from_its_own_clips() {
     // The same again, byte for byte, by the record.
     let output = inkrig(&folder, &["redo", "trot.bvh.inkrig.json", "--check"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
+    // With other clips in the folder it becomes another motion: theirs.
+    let place = folder.join("hound/quadruped.bvh");
+    let file = std::fs::read_to_string(&place).unwrap();
+    let (head, frames) = file.split_once("Frames:").unwrap();
+    let mut rows: Vec<&str> = frames.lines().skip(2).filter(|row| !row.trim().is_empty()).collect();
+    rows.reverse();
+    let time = frames.lines().nth(1).unwrap();
+    std::fs::write(&place, format!("{head}Frames: {}\n{time}\n{}\n", rows.len(), rows.join("\n"))).unwrap();
+    let output = inkrig(&folder, &["redo", "trot.bvh.inkrig.json", "--check"]);
+    let told = text(&output.stderr).replace(['\n', '│', ' '], "");
+    assert!(!output.status.success() && told.contains("haschanged"), "{told}");
+    let output = inkrig(&folder, &["redo", "trot.bvh.inkrig.json", "-o", "again.bvh", "--anyway"]);
+    assert!(text(&output.stdout).contains("not the same"), "{}", text(&output.stderr));
+    let fresh = ["--engine", "example", "--examples", "hound", "-o", "fresh.bvh", "--exact", "pin"];
+    assert!(inkrig(&folder, &[&["storyboard", "trot.json"], &fresh[..]].concat()).status.success());
+    let read = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    assert!(read("again.bvh") == read("fresh.bvh") && read("again.bvh") != read("trot.bvh"));
     for (more, said) in [
         (["--engine", "both"], "--engine both does nothing"),
         (["--preview", "p.html"], "--preview does nothing"),
+        (["--candidates", "2"], "--candidates does nothing with --engine example"),
+        (["--text-weight", "2"], "--text-weight does nothing with --engine example"),
+        (["--guide-every", "2"], "--guide-every does nothing with --engine example"),
     ] {
         let output = inkrig(
             &folder,
@@ -235,6 +315,15 @@ fn engines_are_compared_and_what_does_not_go_together_is_said() {
     assert!(results.iter().all(|own| *own < 0.3) && results[0] != results[2], "{results:?}");
     assert_eq!(report["parts"][0]["result"][0].as_f64(), Some(results[2]), "what is written is that of both");
     assert_eq!(report["parts"][0]["sides"].as_array().map(Vec::len), Some(4));
+    assert!(report["engines"][0].get("seconds").is_none(), "a report is the same each time");
+    assert!(text(&output.stdout).contains(" s"), "{}", text(&output.stdout));
+    let taken = std::fs::read_to_string(folder.join("kick.json")).unwrap();
+    std::fs::write(folder.join("taken.json"), taken.replacen("\"word\"", "\"take\": 1, \"word\"", 1))
+        .unwrap();
+    let example = ["--engine", "example", "--examples", "people", "--report", "taken-report.json"];
+    let output = inkrig(&folder, &[&["storyboard", "taken.json", "-o", "taken.bvh"], &example[..]].concat());
+    let told = std::fs::read_to_string(folder.join("taken-report.json")).unwrap();
+    assert!(told.contains("`take` counts for nothing"), "{told} {}", text(&output.stderr));
     for (more, said) in [
         (&["--engine", "example"][..], "need clips"),
         (&["--examples", "people"], "--engine learned"),

@@ -40,6 +40,15 @@ const BOUND_STILL: f64 = 5e-5;
 /// [`FormatError::Part`] when the file is no FBX or damaged, or has no skeleton, [`FormatError::Limit`] when it asks for too
 /// much, [`FormatError::Options`] for an option out of range or a clip that is not there.
 pub fn read_fbx(bytes: &[u8], options: &ImportOptions) -> Result<Import, FormatError> {
+    read_fbx_with(bytes, options, None)
+}
+
+/// The same; all clips but the chosen one go to `others`, where somebody wants them.
+pub(crate) fn read_fbx_with(
+    bytes: &[u8],
+    options: &ImportOptions,
+    others: Option<&mut Vec<Clip>>,
+) -> Result<Import, FormatError> {
     options.check()?;
     options.limits.check_bytes(bytes)?;
     let mut budget = Budget::of(bytes.len());
@@ -57,18 +66,24 @@ pub fn read_fbx(bytes: &[u8], options: &ImportOptions) -> Result<Import, FormatE
     let clips = stacks::list(&stacks);
     let usual = stacks.iter().position(|stack| stack.moves(&figure)).unwrap_or(0);
     let chosen = clip_choice::choose(&clips, options.clip.as_ref(), usual, &mut findings)?;
+    let read = |stack: &Stack<'_>, findings: &mut Vec<Finding>| {
+        let span = Span::of(&scene, stack, &bones, options, findings);
+        let frames = budget.frames(&span, stack, &figure, &options.limits)?;
+        Player::new(&bones, &stage, &axes, stack, span).clip(frames, findings)
+    };
     let clip = match chosen.and_then(|index| stacks.get(index)) {
-        Some(stack) => {
-            let span = Span::of(&scene, stack, &bones, options, &mut findings);
-            let frames = budget.frames(&span, stack, &figure, &options.limits)?;
-            Player::new(&bones, &stage, &axes, stack, span).clip(frames, &mut findings)?
-        }
+        Some(stack) => read(stack, &mut findings)?,
         None => {
             let message = "the file has no clip; its rest pose is taken as one frame";
             findings.push(Finding::info("fbx-rest-pose", message.into()));
             rest_pose(&stage, options)?
         }
     };
+    if let Some(others) = others {
+        for (_, stack) in stacks.iter().enumerate().filter(|(index, _)| Some(*index) != chosen) {
+            others.push(read(stack, &mut findings)?);
+        }
+    }
     size_findings(&clip, &stage, &axes, &mut findings);
     let source = SourceInfo {
         format: Format::Fbx,

@@ -13,7 +13,7 @@ mod way;
 pub use read::{CreatureFrame, CreatureWay, read_creature};
 
 use super::{Library, Retrieved};
-use crate::animation::Exact;
+use crate::animation::{Exact, check_length};
 use crate::error::StoryboardError;
 use crate::exact::{Goal, Source};
 use find::Window;
@@ -81,6 +81,7 @@ pub fn creature(
     exact: &Exact,
 ) -> Result<Creature, StoryboardError> {
     let none = || StoryboardError::Examples { problem: "there is no frame".into(), todo: "Draw one".into() };
+    check_length(frames.iter().map(|frame| frame.seconds))?;
     let rate = library.examples.first().map_or(30.0, |first| first.clip.frame_rate().min(MOST_RATE));
     let drawn = *exact != Exact::Off;
     let mut segments = Vec::new();
@@ -112,18 +113,20 @@ fn finished(
     let placed = clip.clone();
     let mut goals = Vec::new();
     let carrier = clip.travel_joint();
-    let mut given = Vec3::ZERO;
+    let before = kinematics::positions(&placed);
+    // How far a body was shifted at the end of the last way, and when.
+    let (mut given, mut since) = (Vec3::ZERO, 0);
     for ((frame, segment), start) in frames.iter().zip(segments).zip(starts) {
+        // The next way begins where the shift has left the body by then.
+        let given_now = given * pin::left(placed.frame_rate(), start - since);
         let travels = if *exact == Exact::Off {
             Vec::new()
         } else {
-            goals_of(&placed, frame, segment, *start, true, given)
+            goals_of(&placed, frame, segment, *start, true, given_now)
         };
-        // Where a body was shifted to meet one way, the next begins there.
-        if let Some(last) = travels.last() {
-            let at =
-                kinematics::positions(&placed).frame(last.frame).get(carrier).copied().unwrap_or_default();
-            given = last.nearest(at) - at;
+        if let Some(last) = travels.last().filter(|last| last.frame < before.frames()) {
+            let at = before.frame(last.frame).get(carrier).copied().unwrap_or_default();
+            (given, since) = (last.nearest(at) - at, last.frame);
         }
         goals.push(travels);
     }
@@ -142,7 +145,6 @@ fn finished(
             }
         }
     }
-    let before = kinematics::positions(&placed);
     if pinned {
         let mut joints: Vec<usize> = limbs.iter().map(|goal| goal.joint).collect();
         joints.sort_unstable();

@@ -13,14 +13,18 @@ const NEAR: f32 = 1e-3;
 /// A turn fades in and out over so many seconds where its way begins and ends.
 const FADE: f64 = 0.3;
 
-/// Shifts the body so that the goals of the joint that carries it are met. What is shifted at the end of a way is given back over a
-/// second.
+/// The share of a shift at the end of a way that is left so many frames later: it is given back over a second.
+pub(super) fn left(rate: f64, frames: usize) -> f32 {
+    (1.0 - 1.0 / rate.max(1.0)).powf(frames as f64) as f32
+}
+
+/// Shifts the body so that the goals of the joint that carries it are met. What is shifted at the end of a way is given [back](left).
 pub(super) fn carried(clip: &Clip, goals: &[Goal]) -> Result<Clip, StoryboardError> {
     let joint = clip.travel_joint();
     let places = kinematics::positions(clip);
     let mut by = vec![Vec3::ZERO; clip.frames()];
     let mut before = Vec3::ZERO;
-    let keep = 1.0 - 1.0 / clip.frame_rate().max(1.0) as f32;
+    let keep = left(clip.frame_rate(), 1);
     for (frame, by) in by.iter_mut().enumerate() {
         let goal = goals.iter().find(|goal| goal.frame == frame && goal.joint == joint);
         before = match (goal, places.frame(frame).get(joint)) {

@@ -1,15 +1,18 @@
 //! What a frame asks of a skeleton that no reader of figures knows: a word, and ways of its joints.
 
-use super::super::Library;
+use super::super::{Library, NO_TAKE};
 use crate::error::{Problem, StoryboardError};
 use crate::timing::timed;
 use inkrig_motion::glam::Vec2;
 use inkrig_motion::humanml::Camera;
 use inkrig_motion::{Clip, Skeleton};
+use inkrig_sketch::limits::MAX_STORYBOARD_SECONDS;
 use inkrig_sketch::storyboard::{Frame, Stroke};
 
 /// Seconds of a frame of which nothing says how long it is.
 const USUAL_SECONDS: f64 = 3.0;
+/// Frames are no longer, seconds.
+const MOST_SECONDS: f64 = MAX_STORYBOARD_SECONDS;
 /// Joints that are offered where a name is not known.
 const OFFERED: usize = 8;
 
@@ -68,6 +71,15 @@ fn read(frame: &Frame, library: &Library) -> Result<CreatureFrame, Problem> {
     if !frame.edits.is_empty() || !frame.constraints.is_empty() {
         notes.push("edits and constraints are not met: they are for people".to_owned());
     }
+    if frame.path.is_some() {
+        notes.push(
+            "no path is taken over: that is for people. Without a way a clip's own goes on from there"
+                .to_owned(),
+        );
+    }
+    if frame.take > 0 {
+        notes.push(NO_TAKE.to_owned());
+    }
     let word = frame.word.trim().to_owned();
     if word.is_empty() && frame.trajectories.is_empty() {
         return Err(Problem::new(
@@ -106,7 +118,22 @@ fn read(frame: &Frame, library: &Library) -> Result<CreatureFrame, Problem> {
         }
         let dashes: Vec<&Stroke> = if at == 0 { frame.speed_lines.iter().collect() } else { Vec::new() };
         let timed = timed(&line.points, length / seconds, &dashes);
-        let own = timed.seconds().min(if frame.seconds.is_some() { seconds } else { f64::INFINITY });
+        let drawn = timed.seconds();
+        let own = if frame.seconds.is_some() { drawn.min(seconds) } else { drawn };
+        if own < drawn {
+            notes.push(format!(
+                "trajectory {} takes {drawn:.1} s as it is drawn; it is made to fit the frame's {seconds:.1} s",
+                at + 1
+            ));
+        } else if own > MOST_SECONDS {
+            return Err(Problem::new(
+                format!(
+                    "trajectory {} lasts {own:.1} s, but at most {MOST_SECONDS:.0} s are made of a frame",
+                    at + 1
+                ),
+                "Make it shorter, or two frames of it",
+            ));
+        }
         let count = (own * 60.0).ceil().clamp(8.0, 4000.0) as usize;
         let points = timed.points(count).iter().map(|[x, y]| Vec2::new(*x as f32, *y as f32)).collect();
         ways.push(CreatureWay { joint, travels: joint == clip.travel_joint(), seconds: own, points });
@@ -117,7 +144,7 @@ fn read(frame: &Frame, library: &Library) -> Result<CreatureFrame, Problem> {
         frame.camera.pitch_degrees.to_radians() as f32,
         frame.camera.yaw_degrees.to_radians() as f32,
     );
-    Ok(CreatureFrame { word, seconds: seconds.clamp(0.2, 60.0), camera, ways, notes })
+    Ok(CreatureFrame { word, seconds: seconds.clamp(0.2, MOST_SECONDS), camera, ways, notes })
 }
 
 pub(super) fn name(skeleton: &Skeleton, joint: usize) -> String {

@@ -10,7 +10,7 @@ use inkrig_generate::blending::BlendOptions;
 use inkrig_generate::measures::{area_under_jerk, jerk, mean_jerk, peak_jerk};
 use inkrig_generate::sampling::Sampler;
 use inkrig_motion::humanml::{Camera, Joints};
-use inkrig_storyboard::{Blender, Generated, Plan, Space, StoryboardError, sequence};
+use inkrig_storyboard::{Blender, Generated, Plan, StoryboardError, sequence};
 use inkrig_train::TrainError;
 use inkrig_train::corpus::Manifest;
 use inkrig_train::evaluation::{EvaluationWindow, windows};
@@ -122,17 +122,7 @@ fn description(model: &Model, pair: &[&EvaluationWindow; 2]) -> String {
 
 /// A clip that nothing is asked of.
 fn free(motion: &[Joints]) -> Generated {
-    let plan = Plan {
-        word: String::new(),
-        frames: motion.len(),
-        camera: Camera::default(),
-        usual_view: true,
-        pose: Vec::new(),
-        keypose: None,
-        ways: Vec::new(),
-        placed: true,
-        space: Space::default(),
-    };
+    let plan = Plan::of_word(String::new(), motion.len(), Camera::default());
     Generated {
         motion: motion.to_vec(),
         contacts: Vec::new(),

@@ -56,6 +56,7 @@ pub(super) fn run(args: &EvaluateStoryboardArgs, console: &Console) -> Result<()
         features: &model.features,
         places: &model.places,
         no_text: &no_text,
+        body: &model.body,
         usual_frames: frames,
     };
     let options = |drawn: bool, guided: bool| MakerOptions {

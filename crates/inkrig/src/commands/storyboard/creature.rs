@@ -5,7 +5,7 @@ use super::making::{exactness, wrong};
 use super::onto::onto;
 use super::record::{ExampleRecord, exact_name};
 use super::scene::Scene;
-use super::{sheet, video};
+use super::{Results, finish, sheet, video};
 use crate::cli::{EngineArg, StoryboardArgs};
 use crate::commands::certificate::CertificateRecord;
 use crate::console::Console;
@@ -123,16 +123,9 @@ pub(super) fn run(
     }
     record.warnings.iter().for_each(|warning| console.warn(warning));
     let inputs = [args.board.clone()];
-    run.write_motion(&args.out, &written.bytes, &args.sidecar, &Facts::of_files(&inputs))?;
-    for (path, bytes) in &files {
-        run.write(path, bytes)?;
-    }
-    console.say(record.text())?;
-    run.say(&args.out, &args.sidecar, console)?;
-    for (path, _) in &files {
-        console.say(format!("wrote {}", printable::path(path)))?;
-    }
-    console.result(&record)
+    let facts = Facts::of_files(&inputs);
+    let results = Results { motion: &written.bytes, facts: &facts, beside: &files };
+    finish(args, run, &results, (record.text(), &record), console)
 }
 
 impl Record {

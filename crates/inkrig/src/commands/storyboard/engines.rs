@@ -23,17 +23,22 @@ pub(super) struct Engines {
 /// # Errors
 /// When options do not go together.
 pub(super) fn check(args: &StoryboardArgs) -> Result<(), CliError> {
+    let of_sampling = [
+        (args.steps.is_some(), "--steps"),
+        (args.candidates.is_some(), "--candidates"),
+        (args.text_weight.is_some(), "--text-weight"),
+        (args.guide_every.is_some(), "--guide-every"),
+        (args.blend == BlendArg::Model, "--blend model"),
+    ];
+    let given = of_sampling.into_iter().find_map(|(given, flag)| given.then_some(flag));
+    if let (EngineArg::Example, Some(flag), true) = (args.engine, given, args.examples.is_some()) {
+        return Err(CliError::NoEffect { flag, with: "--engine example" });
+    }
     match (args.engine, &args.examples, args.steps) {
         (EngineArg::Learned, Some(_), _) => {
             Err(CliError::NoEffect { flag: "--examples", with: "--engine learned" })
         }
         (EngineArg::Example | EngineArg::Both, None, _) => Err(CliError::NoExamples),
-        (EngineArg::Example, ..) if args.blend == BlendArg::Model => {
-            Err(CliError::NoEffect { flag: "--blend model", with: "--engine example" })
-        }
-        (EngineArg::Example, _, Some(_)) => {
-            Err(CliError::NoEffect { flag: "--steps", with: "--engine example" })
-        }
         // Few steps begin with noise.
         (EngineArg::Both, _, Some(steps)) if steps != StepsArg::Ddim => {
             Err(CliError::NoEffect { flag: "--engine both", with: "--steps 1, 2 or 4" })

@@ -7,6 +7,7 @@ use crate::console::Console;
 use crate::error::CliError;
 use crate::load;
 use inkrig_formats::{Format, Import};
+use inkrig_motion::Clip;
 use inkrig_storyboard::{Exact, Example, Generated, Library, Retrieved, animation};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -66,7 +67,7 @@ fn read(
     first: &mut Option<Import>,
 ) -> Result<(), CliError> {
     let args = ImportArgs::default();
-    let import = load::motion(file, &args)?;
+    let (import, others) = load::motions(file, &args)?;
     let relative =
         file.strip_prefix(folder).unwrap_or(file).with_extension("").to_string_lossy().into_owned();
     let listed = |name: &str| -> String {
@@ -78,18 +79,18 @@ fn read(
         });
         own.map(|(_, words)| words.as_str()).collect::<Vec<_>>().join(" ")
     };
-    let mut add = |name: String, import: &Import| {
+    let mut add = |name: String, clip: &Clip| {
         let said = format!("{relative} {name} {}", listed(&name));
         let name = if name.is_empty() { relative.clone() } else { format!("{relative} {name}") };
-        clips.push(Example { name, said, clip: import.clip.clone() });
+        clips.push(Example { name, said, clip: clip.clone() });
     };
     let plain = |name: &str| name.rsplit('|').next().unwrap_or(name).to_owned();
     let names: Vec<String> = import.clips.iter().map(|clip| plain(&clip.name)).collect();
     let own = import.clip_index.unwrap_or(0);
-    add(names.get(own).filter(|_| names.len() > 1).cloned().unwrap_or_default(), &import);
-    for (number, name) in names.iter().enumerate().filter(|(number, _)| *number != own) {
-        let other = load::motion(&PathBuf::from(format!("{}#{}", file.display(), number + 1)), &args)?;
-        add(name.clone(), &other);
+    add(names.get(own).filter(|_| names.len() > 1).cloned().unwrap_or_default(), &import.clip);
+    let rest = names.iter().enumerate().filter(|(number, _)| *number != own);
+    for ((_, name), clip) in rest.zip(&others) {
+        add(name.clone(), clip);
     }
     first.get_or_insert(import);
     Ok(())

@@ -16,11 +16,15 @@ use inkrig_motion::humanml::FRAME_RATE;
 use inkrig_sketch::storyboard::{Frame, Storyboard};
 use inkrig_storyboard::{
     Animation, Blender, Exact, Generated, Maker, MakerOptions, MeetOptions, Plan, Space, StoryboardError,
-    Understood, animation, read_figure, understand,
+    Understood, animation, check_length, read_figure, understand,
 };
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
+
+/// How many motions are made of a frame, and at every how many steps they are drawn to the lines, where nobody says.
+pub(in crate::commands) const CANDIDATES: usize = 4;
+pub(in crate::commands) const GUIDE_EVERY: usize = 5;
 
 /// How frames are made.
 #[derive(Debug, Clone)]
@@ -41,8 +45,8 @@ impl Settings {
             blend: args.blend,
             steps: args.steps,
             text_weight: args.text_weight.map(|weight| weight as f32),
-            candidates: usize::from(args.candidates),
-            guide_every: usize::from(args.guide_every),
+            candidates: args.candidates.map_or(CANDIDATES, usize::from),
+            guide_every: args.guide_every.map_or(GUIDE_EVERY, usize::from),
             seed: args.seed,
         }
     }
@@ -102,7 +106,12 @@ pub(in crate::commands) fn frames(
     path: &Path,
 ) -> Result<Vec<Understood>, CliError> {
     let reader = Reader::open(board, model, path)?;
-    (1..).zip(&board.frames).map(|(number, frame)| reader.read(number, frame)).collect()
+    let read: Vec<Understood> = (1..)
+        .zip(&board.frames)
+        .map(|(number, frame)| reader.read(number, frame))
+        .collect::<Result<_, _>>()?;
+    check_length(read.iter().map(|read| read.plan.frames as f64 / FRAME_RATE)).map_err(wrong(path))?;
+    Ok(read)
 }
 
 /// Reads frames one by one.
@@ -153,6 +162,8 @@ pub(in crate::commands) struct Asked<'a> {
     pub(in crate::commands) number: usize,
     pub(in crate::commands) frame: &'a Frame,
     pub(in crate::commands) read: &'a Understood,
+    /// Whether it is a part of the animation. Others are made for the paths that later frames take over from them.
+    pub(in crate::commands) joined: bool,
 }
 
 /// The frames of a storyboard that were read, in their order.
@@ -161,7 +172,9 @@ pub(in crate::commands) fn all<'a>(
     read: impl Iterator<Item = Option<&'a Understood>>,
 ) -> Vec<Asked<'a>> {
     let frames = (1..).zip(board.frames.iter().zip(read));
-    frames.filter_map(|(number, (frame, read))| Some(Asked { number, frame, read: read? })).collect()
+    frames
+        .filter_map(|(number, (frame, read))| Some(Asked { number, frame, read: read?, joined: true }))
+        .collect()
 }
 
 /// What makes animations.
@@ -191,21 +204,29 @@ impl Workshop<'_> {
         })
     }
 
-    /// What the clips of a frame depend on.
-    pub(in crate::commands) fn order(&self, asked: &Asked<'_>) -> Result<Order, CliError> {
-        let Asked { number, frame, read } = asked;
+    /// What the clips of a frame depend on; `before` are those of frames before it, with their numbers.
+    pub(in crate::commands) fn order(
+        &self,
+        asked: &Asked<'_>,
+        before: &[(usize, Generated)],
+    ) -> Result<Order, CliError> {
+        let Asked { number, frame, read, .. } = asked;
         let word = &read.plan.word;
         let description = if word.is_empty() { String::new() } else { self.model.description(word) };
         let failed =
             |cause| wrong(self.path)(StoryboardError::Generate { frame: *number, cause: Box::new(cause) });
         let text = self.encoder.encode(&description).map_err(failed)?;
+        let leads = read.plan.path_of(*number);
+        let leads = leads.and_then(|leads| before.iter().find(|(other, _)| *other == leads));
+        let plan = leads.map_or_else(|| read.plan.clone(), |(_, clip)| read.plan.along(&clip.motion));
         let number = frame.number.map_or(*number, |number| number as usize);
-        // No sampling sees what is said of the motion in space: whoever moves a joint of it waits for no other motion.
-        let plan = Plan { space: Space::default(), ..read.plan.clone() };
+        // No sampling sees what is said of the motion in space: whoever moves a joint of it waits for no other motion. Nor is it of
+        // consequence which frame a path is from.
+        let plan = Plan { space: Space::default(), follows: None, ..plan };
         Ok(Order { plan, text, options: self.options()?, number })
     }
 
-    /// Makes one animation; `watch` is told what is next, and may stop it. What is kept of earlier times is not made again.
+    /// Makes one animation of the frames that are joined; `watch` is told what is next, and may stop it. What is kept of earlier times is not made again.
     pub(in crate::commands) fn make(
         &self,
         frames: &[Asked<'_>],
@@ -213,6 +234,17 @@ impl Workshop<'_> {
         watch: &mut dyn FnMut(Next) -> GoOn,
     ) -> Result<Made, CliError> {
         self.make_near(frames, &[], takes, watch)
+    }
+
+    /// The clip of a frame, where it is kept.
+    pub(in crate::commands) fn kept(
+        &self,
+        asked: &Asked<'_>,
+        before: &[(usize, Generated)],
+        takes: &mut Takes,
+    ) -> Result<Option<Generated>, CliError> {
+        let known = takes.of(&self.order(asked, before)?);
+        Ok(known.and_then(|all| self.taken(asked, &all).ok()))
     }
 
     /// The same, where denoising of each frame begins with a motion, as far as there are some.
@@ -236,14 +268,15 @@ impl Workshop<'_> {
             features: &model.features,
             places: &model.places,
             no_text: &no_text,
+            body: &model.body,
             usual_frames: model.usual_frames(),
         };
-        let (mut clips, mut ranked, mut texts) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut made, mut ranked, mut texts) = (Vec::new(), Vec::new(), Vec::new());
         for (at, asked) in frames.iter().enumerate() {
             let number = asked.number;
             let threads = goes_on(Next::Frame(number))?;
-            let order = self.order(asked)?;
-            texts.push(order.text.clone());
+            let order = self.order(asked, &made)?;
+            let text = order.text.clone();
             let known = takes.of(&order);
             let all = match known {
                 Some(known) => known,
@@ -257,19 +290,16 @@ impl Workshop<'_> {
                     takes.keep(order, made)
                 }
             };
-            let take = asked.frame.take as usize;
-            let clip = all.get(take).ok_or_else(|| {
-                wrong(StoryboardError::Frame {
-                    frame: number,
-                    problem: format!("take {take} is wanted, but {} are made, from 0", all.len()),
-                    todo: "Leave `take` out for the best, or give more --candidates".into(),
-                })
-            })?;
-            let mut clip = clip.clone();
-            clip.plan.space = asked.read.plan.space.clone();
-            clips.push(clip);
-            ranked.push(all);
+            made.push((number, self.taken(asked, &all)?));
+            if asked.joined {
+                texts.push(text);
+                ranked.push(all);
+            }
         }
+        let frames: Vec<Asked<'_>> = frames.iter().filter(|asked| asked.joined).copied().collect();
+        let is_joined = |number: usize| frames.iter().any(|asked| asked.number == number);
+        let clips: Vec<Generated> =
+            made.into_iter().filter(|(number, _)| is_joined(*number)).map(|(_, clip)| clip).collect();
         let threads = goes_on(Next::Whole)?;
         let sampler = Sampler { networks, features: &model.features, no_text: &no_text };
         let both: Vec<Vec<f32>> = texts
@@ -286,8 +316,23 @@ impl Workshop<'_> {
         let exact = exactness(settings.exact);
         let body = &model.body;
         let animation = on(threads, || animation(&clips, blender, body, &exact))
-            .map_err(|cause| wrong(of_row(cause, frames)))?;
+            .map_err(|cause| wrong(of_row(cause, &frames)))?;
         Ok(Made { clips, ranked, animation })
+    }
+
+    /// The one of a frame's clips that it says, with what it says of that in space.
+    fn taken(&self, asked: &Asked<'_>, all: &[Generated]) -> Result<Generated, CliError> {
+        let take = asked.frame.take as usize;
+        let mut clip = all.get(take).cloned().ok_or_else(|| {
+            wrong(self.path)(StoryboardError::Frame {
+                frame: asked.number,
+                problem: format!("take {take} is wanted, but {} are made, from 0", all.len()),
+                todo: "Leave `take` out for the best, or give more --candidates".into(),
+            })
+        })?;
+        clip.plan.space = asked.read.plan.space.clone();
+        clip.plan.follows = asked.read.plan.follows;
+        Ok(clip)
     }
 }
 

@@ -16,7 +16,7 @@ mod takes;
 mod video;
 
 use super::generate::{HUMANOID, Model, named_model};
-use crate::cli::StoryboardArgs;
+use crate::cli::{EngineArg, StoryboardArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::printable;
@@ -25,11 +25,15 @@ use crate::{load, names, results};
 use engines::Engines;
 use inkrig_formats::{ExportOptions, Format, HumanBone, write_motion};
 use inkrig_motion::humanml::{FRAME_RATE, Joints, to_clip};
+use inkrig_storyboard::NO_TAKE;
 use onto::onto;
 use record::Record;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-pub(super) use making::{Asked, Made, Next, Reader, Settings, Workshop, all, frames, shown};
+pub(super) use making::{
+    Asked, CANDIDATES, GUIDE_EVERY, Made, Next, Reader, Settings, Workshop, all, frames, shown,
+};
 pub(super) use page::{page, pose, ways};
 pub(super) use record::{Part, parts, poses};
 pub(super) use sheet::png;
@@ -85,6 +89,10 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     let library = examples.as_ref().map(|examples| &examples.library);
     let Engines { made, retrieved, compared } =
         engines::made(args.engine, &workshop, &asked, library, console)?;
+    if args.engine == EngineArg::Example {
+        let chosen = asked.iter().filter(|asked| asked.frame.take > 0);
+        warnings.extend(chosen.map(|asked| format!("frame {}: {NO_TAKE}", asked.number)));
+    }
 
     warnings.extend(
         understood
@@ -142,16 +150,35 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     let inputs = [args.board.clone()];
     let facts = Facts { seed: Some(args.seed), ..Facts::of_files(&inputs) };
     let run = Run { arguments: &arguments, sink: run.sink };
-    run.write_motion(&args.out, &written.bytes, &args.sidecar, &facts)?;
-    for (path, bytes) in &files {
+    let results = Results { motion: &written.bytes, facts: &facts, beside: &files };
+    finish(args, &run, &results, (record.text(), &record), console)
+}
+
+/// What is written.
+struct Results<'a> {
+    motion: &'a [u8],
+    facts: &'a Facts<'a>,
+    beside: &'a [(&'a Path, Vec<u8>)],
+}
+
+/// Writes the motion and what is beside it, and says so.
+fn finish(
+    args: &StoryboardArgs,
+    run: &Run<'_>,
+    results: &Results<'_>,
+    (text, record): (String, &impl Serialize),
+    console: &Console,
+) -> Result<(), CliError> {
+    run.write_motion(&args.out, results.motion, &args.sidecar, results.facts)?;
+    for (path, bytes) in results.beside {
         run.write(path, bytes)?;
     }
-    console.say(record.text())?;
+    console.say(text)?;
     run.say(&args.out, &args.sidecar, console)?;
-    for (path, _) in &files {
+    for (path, _) in results.beside {
         console.say(format!("wrote {}", printable::path(path)))?;
     }
-    console.result(&record)
+    console.result(record)
 }
 
 /// A frame's own motion as a file.

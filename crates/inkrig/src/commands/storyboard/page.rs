@@ -84,16 +84,19 @@ fn board_frame(row: usize, frame: &Frame, read: &Understood, made: &Made, ways: 
     }
 }
 
-/// Drawn ways in space: a drawing says nothing of how far away they are, so each place is as far as its joint.
+/// Drawn ways in space, and then the path: a drawing says nothing of how far away they are, so each place is as far as its joint, and
+/// a path nothing of how high it is.
 pub(in crate::commands) fn ways(row: usize, made: &Made, motion: &[Joints]) -> Vec<BoardWay> {
     let (Some(goals), Some(clip)) = (made.animation.goals.get(row), made.clips.get(row)) else {
         return Vec::new();
     };
-    let place = |goal: &Goal| Some(drawn(goal, motion.get(goal.frame)?).to_array());
-    let joints = clip.plan.ways.iter().map(|(joint, ..)| *joint);
-    joints
-        .filter_map(|joint| {
-            let own = || goals.iter().filter(|goal| goal.source == Source::Way && goal.joint == joint);
+    let place = |goal: &Goal| Some(in_space(goal, motion.get(goal.frame)?).to_array());
+    let drawn = clip.plan.ways.iter().map(|(joint, ..)| (*joint, Source::Way));
+    let path = clip.plan.path.iter().map(|_| (0, Source::Path));
+    drawn
+        .chain(path)
+        .filter_map(|(joint, source)| {
+            let own = || goals.iter().filter(|goal| goal.source == source && goal.joint == joint);
             let begins = own().map(|goal| goal.frame).min()? as f64 / FRAME_RATE;
             Some(BoardWay { begins, rate: FRAME_RATE, points: own().filter_map(place).collect() })
         })
@@ -106,15 +109,15 @@ pub(in crate::commands) fn pose(row: usize, made: &Made, motion: &[Joints]) -> O
     let at = made.animation.joined.starts.get(row)? + frame;
     let own = *motion.get(at)?;
     let mut pose = own;
-    let drawn_at = |goal: &&Goal| goal.frame == at && goal.source != Source::Edit;
+    let drawn_at = |goal: &&Goal| goal.frame == at && !matches!(goal.source, Source::Edit | Source::Path);
     for goal in made.animation.goals.get(row)?.iter().filter(drawn_at) {
-        *pose.get_mut(goal.joint)? = drawn(goal, &own);
+        *pose.get_mut(goal.joint)? = in_space(goal, &own);
     }
     Some(pose)
 }
 
 /// Where a goal is in space: on the picture where it was drawn, and as far away as its joint.
-fn drawn(goal: &Goal, pose: &Joints) -> Vec3 {
+fn in_space(goal: &Goal, pose: &Joints) -> Vec3 {
     let own = pose.get(goal.joint).copied().unwrap_or_default();
     let miss = goal.miss(own);
     own - goal.axes[0] * miss.x - goal.axes[1] * miss.y

@@ -12,7 +12,7 @@ use crate::span::seconds;
 use inkrig_generate::measures::{jerk, peak_jerk, skating};
 use inkrig_motion::humanml::{Joints, NAMES};
 use inkrig_motion::{Clip, kinematics};
-use inkrig_sketch::storyboard::{End, Sides};
+use inkrig_sketch::storyboard::{End, FramePath, Sides};
 use inkrig_storyboard::{Animation, Goal, Retrieved, Source, misses};
 use serde::Serialize;
 
@@ -61,6 +61,9 @@ pub(in crate::commands) struct Part {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     sides: Vec<SideRecord>,
     pub(in crate::commands) trajectories: Vec<WayRecord>,
+    /// Whose way over the ground it goes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    path: Option<PathRecord>,
     candidate: usize,
     evaluations: usize,
     /// Mean and largest distance on the picture between asked places and joints, as sampled.
@@ -87,6 +90,25 @@ struct SideRecord {
     sides: Sides,
     /// How likely the reader takes it to be.
     share: f32,
+}
+
+/// A way over the ground that was taken over.
+#[derive(Serialize)]
+struct PathRecord {
+    /// The frame that it is from.
+    of: usize,
+    /// Whether it goes on from there, rather than the same way again.
+    continues: bool,
+    /// Mean and largest distance of the pelvis from it over the ground.
+    result: [f32; 2],
+}
+
+impl PathRecord {
+    fn text(&self) -> String {
+        let [mean, most] = self.result.map(|miss| fixed(100.0 * f64::from(miss), 1));
+        let how = if self.continues { "on along" } else { "again" };
+        format!("; {how} the path of frame {}, {mean} cm off it, {most} at most", self.of)
+    }
 }
 
 /// Where a frame's motion is from.
@@ -120,7 +142,8 @@ impl ExampleRecord {
 #[derive(Serialize)]
 pub(super) struct EngineRecord {
     pub(super) engine: &'static str,
-    /// What it took.
+    /// What it took, which is another time each time: it is said, and not written.
+    #[serde(skip)]
     pub(super) seconds: f64,
     pub(super) skating: f64,
     /// Metres per frame^3.
@@ -285,6 +308,7 @@ impl Record {
             if part.key_frame.is_some() || !ways.is_empty() {
                 text += &format!("; {mean} cm off the drawing, {most} at most");
             }
+            text += &part.path.as_ref().map(PathRecord::text).unwrap_or_default();
             text += &part.space.text();
             if let Some(example) = &part.example {
                 text += &format!("; from {}", example.text());
@@ -331,8 +355,16 @@ pub(in crate::commands) fn parts(
             let figure = if way.figure == End::Start { "start" } else { "end" };
             WayRecord { joint: name(*joint), figure, first: *first, frames: places.len() }
         });
-        let drawn: Vec<Goal> = goals.iter().filter(|goal| goal.source != Source::Edit).copied().collect();
-        let result = misses(&motion, &drawn);
+        let of = |path: bool| -> Vec<Goal> {
+            let own = goals.iter().filter(|goal| goal.source != Source::Edit);
+            own.filter(|goal| (goal.source == Source::Path) == path).copied().collect()
+        };
+        let result = misses(&motion, &of(false));
+        let path = clip.plan.path_of(asked.number).map(|frame| PathRecord {
+            of: frame,
+            continues: clip.plan.follows == Some(FramePath::Continue),
+            result: misses(&motion, &of(true)),
+        });
         let space = SpaceRecord::of(at, &made.animation, &motion, &clip.plan.space);
         warnings
             .extend(space.warnings(exact).into_iter().map(|told| format!("frame {}: {told}", asked.number)));
@@ -364,6 +396,7 @@ pub(in crate::commands) fn parts(
                 .map(|own| SideRecord { name: own.name(), sides: own.sides, share: own.share })
                 .collect(),
             trajectories: trajectories.collect(),
+            path,
             candidate: clip.candidate,
             evaluations: clip.evaluations,
             sampled: [clip.error, clip.worst],

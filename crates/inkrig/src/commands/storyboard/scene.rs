@@ -8,7 +8,7 @@ use inkrig_motion::humanml::{Camera, Joints, NAMES};
 use inkrig_motion::kinematics::{Positions, positions};
 use inkrig_motion::{Clip, Skeleton, rig};
 use inkrig_sketch::storyboard::{Frame, Storyboard};
-use inkrig_storyboard::{Creature, CreatureFrame, Figure, Goal, Kept, Understood};
+use inkrig_storyboard::{Creature, CreatureFrame, Figure, Goal, Kept, Source, Understood};
 
 const LEFT: Rgb = [200, 50, 40];
 const RIGHT: Rgb = [40, 80, 200];
@@ -37,7 +37,8 @@ pub(super) struct Part<'a> {
     pub(super) figure: Option<&'a Figure>,
     pub(super) begins: usize,
     pub(super) frames: usize,
-    pub(super) goals: &'a [Goal],
+    /// As its camera sees them.
+    pub(super) goals: Vec<Goal>,
     pub(super) constraints: &'a [Kept],
     /// What carries the body.
     root: usize,
@@ -49,23 +50,35 @@ pub(super) struct Part<'a> {
 impl<'a> Scene<'a> {
     pub(super) fn of_person(board: &'a Storyboard, understood: &'a [Understood], made: &'a Made) -> Self {
         let joined = &made.animation.joined;
+        let motion = positions(&made.animation.clip);
         let parts = board.frames.iter().zip(understood).enumerate().filter_map(|(at, (drawing, read))| {
             let plan = &made.clips.get(at)?.plan;
+            let (camera, back) = (plan.camera, joined.placements.get(at)?.0.inverse());
+            let goals = made.animation.goals.get(at)?.iter();
+            let goals = goals.map(|goal| match goal.source {
+                // A path is as high as the body.
+                Source::Path if goal.frame < motion.frames() => {
+                    let place = goal.nearest(motion.frame(goal.frame)[goal.joint]);
+                    Goal { at: camera.project(back * place), ..*goal }
+                }
+                _ => *goal,
+            });
             Some(Part {
                 drawing,
                 figure: read.figure.as_ref(),
                 begins: *joined.starts.get(at)?,
                 frames: plan.frames,
-                goals: made.animation.goals.get(at)?,
+                goals: goals.collect(),
                 constraints: made.animation.constraints.get(at).map(Vec::as_slice).unwrap_or_default(),
                 root: 0,
-                camera: plan.camera,
-                back: joined.placements.get(at)?.0.inverse(),
+                camera,
+                back,
             })
         });
         let parts = parts.collect();
         let clip = &made.animation.clip;
-        let bones = bones(clip.skeleton(), &|joint| NAMES.get(joint).copied().unwrap_or_default().to_owned());
+        let name = |joint: usize| NAMES.get(joint).copied().unwrap_or_default().to_owned();
+        let bones = bones(clip.skeleton(), true, &name);
         Self { head: Some([12, 15]), ..Self::new(clip, parts, PERSON, bones) }
     }
 
@@ -77,7 +90,7 @@ impl<'a> Scene<'a> {
             figure: None,
             begins: part.begins,
             frames: part.frames,
-            goals,
+            goals: goals.clone(),
             constraints: &[],
             root,
             camera: read.camera,
@@ -87,7 +100,7 @@ impl<'a> Scene<'a> {
         let skeleton = made.clip.skeleton();
         let name =
             |joint: usize| skeleton.joints().get(joint).map(|joint| joint.name.clone()).unwrap_or_default();
-        Self::new(&made.clip, parts, OTHERS * skeleton.extent(), bones(skeleton, &name))
+        Self::new(&made.clip, parts, OTHERS * skeleton.extent(), bones(skeleton, false, &name))
     }
 
     fn new(clip: &Clip, parts: Vec<Part<'a>>, metres: f32, bones: Vec<(usize, usize, Rgb)>) -> Self {
@@ -130,38 +143,36 @@ impl<'a> Scene<'a> {
     }
 }
 
-fn bones(skeleton: &Skeleton, name: &dyn Fn(usize) -> String) -> Vec<(usize, usize, Rgb)> {
-    let side = |name: String| {
-        let name = name.to_lowercase();
-        let is = |word: &str, letter: char| {
-            name.contains(word)
-                || ['.', '_', ' '].iter().any(|sign| name.ends_with(&format!("{sign}{letter}")))
-        };
-        if is("left", 'l') {
-            LEFT
-        } else if is("right", 'r') {
-            RIGHT
-        } else {
-            MIDDLE
-        }
-    };
+/// What is drawn of a skeleton. The model's `person` has a root that is its pelvis; of others, bones from the root hold the body up.
+fn bones(skeleton: &Skeleton, person: bool, name: &dyn Fn(usize) -> String) -> Vec<(usize, usize, Rgb)> {
     let joints = skeleton.joints().iter().enumerate();
     let handles = rig::controls(skeleton);
     // A bone from the world's origin to what carries the body is none that anybody would draw.
     joints
-        .filter_map(|(number, joint)| Some((joint.parent?, number, side(name(number)))))
+        .filter_map(|(number, joint)| Some((joint.parent?, number, side_of(&name(number)))))
         .filter(|(parent, own, _)| !handles[*own] && !handles[*parent])
         .filter(|(parent, ..)| {
-            skeleton.joints().get(*parent).is_some_and(|joint| joint.parent.is_some()) || skeleton.len() == 22
+            person || skeleton.joints().get(*parent).is_some_and(|joint| joint.parent.is_some())
         })
         .collect()
 }
 
 /// The colour of a person's joint.
 pub(super) fn side(joint: usize) -> Rgb {
-    match NAMES.get(joint) {
-        Some(name) if name.starts_with("left") => LEFT,
-        Some(name) if name.starts_with("right") => RIGHT,
-        _ => MIDDLE,
+    NAMES.get(joint).map_or(MIDDLE, |name| side_of(name))
+}
+
+/// The colour of a joint of that name.
+fn side_of(name: &str) -> Rgb {
+    let name = name.to_lowercase();
+    let is = |word: &str, letter: char| {
+        name.contains(word) || ['.', '_', ' '].iter().any(|sign| name.ends_with(&format!("{sign}{letter}")))
+    };
+    if is("left", 'l') {
+        LEFT
+    } else if is("right", 'r') {
+        RIGHT
+    } else {
+        MIDDLE
     }
 }

@@ -144,7 +144,7 @@ impl Page {
     pub(super) fn moment(&mut self, scene: &Scene<'_>, part: &Part<'_>, at: usize, view: &View, near: usize) {
         let Some((flat, under)) = scene.seen(part, at) else { return };
         self.floor(view, under.y);
-        let ways = || part.goals.iter().filter(|goal| goal.source == Source::Way);
+        let ways = || part.goals.iter().filter(|goal| matches!(goal.source, Source::Way | Source::Path));
         let mut joints: Vec<usize> = ways().map(|goal| goal.joint).collect();
         joints.sort_unstable();
         joints.dedup();

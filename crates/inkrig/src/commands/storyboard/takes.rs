@@ -40,11 +40,6 @@ impl Takes {
         Some(clips)
     }
 
-    /// Whether they are kept.
-    pub(in crate::commands) fn has(&self, order: &Order) -> bool {
-        self.kept.iter().any(|(other, _)| other == order)
-    }
-
     pub(super) fn keep(&mut self, order: Order, clips: Vec<Generated>) -> Arc<[Generated]> {
         let clips: Arc<[Generated]> = clips.into();
         self.frames += frames(&clips);
@@ -67,20 +62,9 @@ mod tests {
     use inkrig_generate::sampling::SamplingOptions;
     use inkrig_motion::glam::Vec3;
     use inkrig_motion::humanml::{Camera, JOINTS};
-    use inkrig_storyboard::Space;
 
     fn order(number: usize, frames: usize) -> (Order, Vec<Generated>) {
-        let plan = Plan {
-            word: "kick".into(),
-            frames,
-            camera: Camera::default(),
-            usual_view: true,
-            pose: Vec::new(),
-            keypose: None,
-            ways: Vec::new(),
-            placed: true,
-            space: Space::default(),
-        };
+        let plan = Plan::of_word("kick".into(), frames, Camera::default());
         let options =
             MakerOptions { sampling: SamplingOptions::default(), drawn: true, candidates: 1, seed: 0 };
         let clip = Generated {
@@ -95,6 +79,11 @@ mod tests {
         (Order { plan, text: vec![1.0], options, number }, vec![clip])
     }
 
+    /// Whether they are kept.
+    fn has(takes: &Takes, order: &Order) -> bool {
+        takes.kept.iter().any(|(other, _)| other == order)
+    }
+
     #[test]
     fn what_was_not_used_for_longest_is_forgotten() {
         let mut takes = Takes::default();
@@ -106,14 +95,14 @@ mod tests {
                 order
             })
             .collect();
-        assert!(orders.iter().all(|order| takes.has(order)));
+        assert!(orders.iter().all(|order| has(&takes, order)));
         assert!(takes.of(&orders[0]).is_some(), "it is used again");
         let (another, clips) = order(3, long);
         takes.keep(another.clone(), clips);
-        let now: Vec<bool> = orders.iter().chain([&another]).map(|order| takes.has(order)).collect();
+        let now: Vec<bool> = orders.iter().chain([&another]).map(|order| has(&takes, order)).collect();
         assert_eq!(now, [true, false, true, true]);
         let moved = Order { plan: Plan { frames: 3, ..orders[0].plan.clone() }, ..orders[0].clone() };
-        assert!(!takes.has(&moved), "another plan is another order");
+        assert!(!has(&takes, &moved), "another plan is another order");
         assert!(takes.of(&Order { text: vec![2.0], ..orders[0].clone() }).is_none());
     }
 }

@@ -95,7 +95,7 @@ fn view(scene: &Scene<'_>, part: &Part<'_>) -> View {
             (low, high) = (low.min(*place), high.max(*place));
         }
     }
-    for goal in part.goals {
+    for goal in &part.goals {
         (low, high) = (low.min(goal.at), high.max(goal.at));
     }
     let size = if low.x <= high.x { high - low } else { Vec2::ZERO };
