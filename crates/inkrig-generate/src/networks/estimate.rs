@@ -33,14 +33,24 @@ const MISS_SLOTS: usize = 20;
 /// A miss of so many metres counts as one, and none for more than [`MOST`] times that.
 const MISS: f32 = 0.25;
 const MOST: f32 = 4.0;
-/// Corrections of a prediction, in training as in sampling: the second is told what the first still misses.
+/// Corrections of a prediction in training, and in sampling as long as there is noise: the second is told what the first still misses.
 pub(crate) const CORRECTIONS: usize = 2;
+/// Corrections in sampling where hardly any noise is left, below timestep [`LITTLE_NOISE`] of 1000, when nothing settles the motion
+/// afterwards: what is missed there stays missed. As many at every timestep make motion jerk and feet slide.
+const LATE_CORRECTIONS: usize = 8;
+const LITTLE_NOISE: usize = 100;
 /// Numbers that say the timestep.
 pub(super) const WAVES: usize = 128;
 /// Numbers that conditions are told by: slots; the key pose, when it is, whether there is one; the clip's length.
 pub(super) const TOLD: usize = SLOTS * SLOT + POSE + COSINES + 2;
 /// Numbers that misses are told by: slots; the key pose, whether there is one.
 pub(crate) const MISSED: usize = MISS_SLOTS * SLOT + POSE + 1;
+
+/// How often sampling corrects its prediction at a timestep; `settled`: whether the motion is settled afterwards, which meets what is
+/// asked for better than this does.
+pub(crate) fn corrections_at(timestep: usize, settled: bool) -> usize {
+    if timestep < LITTLE_NOISE && !settled { LATE_CORRECTIONS } else { CORRECTIONS }
+}
 
 /// What conditions say of latents.
 #[derive(Debug, Clone, Default, PartialEq)]

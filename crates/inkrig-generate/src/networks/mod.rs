@@ -33,7 +33,7 @@ pub use denoiser::{Adapter, ControlNet, Corrections, Denoiser, Noisy, Work};
 pub(crate) use denoiser_gradient::DenoiserTape;
 pub(crate) use dropout::Dropout;
 pub use embedding::{guidance_waves, timestep_waves};
-pub(crate) use estimate::{CORRECTIONS, CorrectionTape, MISSED, missed, missed_back};
+pub(crate) use estimate::{CORRECTIONS, CorrectionTape, MISSED, corrections_at, missed, missed_back};
 pub use estimate::{Correction, Estimate, Estimator, told};
 pub(crate) use estimate_gradient::EstimatorTape;
 pub(crate) use linear::Linear;

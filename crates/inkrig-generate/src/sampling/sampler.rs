@@ -5,7 +5,7 @@ use super::{Conditions, Misses, Semantics};
 use crate::GenerateError;
 use crate::guidance::{GuidanceOptions, Guide, Guided, GuidedClip, SettleOptions};
 use crate::networks::{
-    CORRECTIONS, CorrectionTape, Corrections, Estimate, Noisy, Work, guidance_waves, told,
+    CorrectionTape, Corrections, Estimate, Noisy, Work, corrections_at, guidance_waves, told,
 };
 use crate::schedule::{Ddim, Lcm, Noise, NoiseSchedule, STEPS, mix};
 use inkrig_motion::humanml::Statistics;
@@ -342,7 +342,8 @@ impl Sampler<'_> {
             }
         }
         if let (Some(estimate), Some(control)) = (&prepared.estimate, &self.networks.estimate) {
-            self.correct(control, conditions, latents, timestep, estimate, &mut noise)?;
+            let corrections = corrections_at(timestep, options.settle.is_some());
+            self.correct(control, conditions, (latents, timestep, corrections), estimate, &mut noise)?;
         }
         Ok(noise)
     }
@@ -352,8 +353,7 @@ impl Sampler<'_> {
         &self,
         control: &EstimateControl,
         conditions: &[Conditions],
-        latents: &[f32],
-        timestep: usize,
+        (latents, timestep, corrections): (&[f32], usize, usize),
         estimate: &Estimate,
         noise: &mut [f32],
     ) -> Result<(), GenerateError> {
@@ -362,7 +362,7 @@ impl Sampler<'_> {
         let timesteps = vec![timestep; conditions.len()];
         schedule.clean(latents, noise, timestep, &mut clean);
         control.correction.weigh(&mut clean, &timesteps, estimate, tape);
-        for _ in 0..CORRECTIONS {
+        for _ in 0..corrections {
             let missed = Misses::default().of(&self.networks.vae, self.features, &clean, conditions)?;
             control.correction.correct(latents, &mut clean, &timesteps, (estimate, &missed), tape);
         }
