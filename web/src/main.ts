@@ -221,19 +221,20 @@ function start(session: Session): void {
       const place = part ? board.placeOf(part) : -1;
       if (!part || place < 0 || board.running) {
         ui.said.value = board.running ? 'The animation is being made' : between;
-        return;
+        return false;
       }
       const frame = board.file.value.frames[place];
       if (frame && !board.told(frame)) {
         ui.said.value = 'The frame was drawn anew: generate it first';
-        return;
+        return false;
       }
       const [dx, dy, dz] = [x - part.shift[0], y - part.shift[1], z - part.shift[2]];
       const [c, s] = [Math.cos(part.turn), Math.sin(part.turn)];
       const at = [c * dx - s * dz, dy, s * dx + c * dz].map((value) => Number(value.toFixed(4)));
       board.choose(place);
       board.moveJoint({ joint, frame: now - (part.begins ?? 0), at: [at[0] ?? 0, at[1] ?? 0, at[2] ?? 0] });
-    });
+      return true;
+    }, (text) => (ui.said.value = text));
     const hold = () => {
       const { parts } = told();
       grab.joints = new Set(controls.kind.value === 'storyboard' && board.available && parts.length > 0 ? JOINTS : []);

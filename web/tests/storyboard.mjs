@@ -4,9 +4,12 @@
 
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+
+import typescript from 'typescript';
 
 import { openPage, penStroke, picture, startBrowser, startStudio, until, violations } from './driver.mjs';
 
@@ -29,8 +32,14 @@ const ALL = {
 const SHEET = '.sheet canvas';
 const folder = mkdtempSync(join(tmpdir(), 'inkrig-storyboard-'));
 const project = join(folder, 'project');
+// The page's own reader of poses.
+const reader = typescript.transpileModule(readFileSync(new URL('../src/api/poses.ts', import.meta.url), 'utf8'), { compilerOptions: { module: 'esnext', target: 'esnext' } });
+writeFileSync(join(folder, 'poses.mjs'), reader.outputText);
+const { readPoses, rigOf } = await import(pathToFileURL(join(folder, 'poses.mjs')).href);
 const browser = await startBrowser(chromium);
 let studio = await startStudio(program, project);
+// STUDIO_ONLY=regexp runs some steps.
+const wanted = new RegExp(process.env.STUDIO_ONLY ?? '');
 let failures = 0;
 let seen = [];
 let pageOf = () => null;
@@ -278,6 +287,106 @@ try {
     assert.equal(await page.getByRole('button', { name: 'Undo all moves' }).count(), 0);
   });
 
+  await step('joints of a turned frame are moved in space, from another side and by keys', async () => {
+    await page.locator(SHEET).focus();
+    await page.keyboard.press('n');
+    await page.getByLabel('Word of the frame').fill('walk');
+    await page.getByLabel('Word of the frame').press('Tab');
+    const alone = await made(null);
+    await page.getByRole('button', { name: 'Generate all' }).click();
+    const before = await made(alone.job);
+    const { turn, begins, frames } = before.frames[1];
+    assert.ok(Math.abs(turn) > 0.05, `the second frame is turned by ${turn} only, which shows nothing`);
+    const now = begins + Math.floor(frames / 2);
+    await page.locator(SHEET).focus();
+    await page.keyboard.press('Home');
+    for (let i = 0; i < now; i += 1) await page.keyboard.press('.');
+    // The camera goes around by about a quarter; what stands in a corner of the picture is no joint.
+    const stage = await page.locator('#stage').boundingBox();
+    await page.mouse.move(stage.x + 0.9 * stage.width, stage.y + 0.15 * stage.height);
+    await page.mouse.down();
+    await page.mouse.move(stage.x + 0.9 * stage.width - 200, stage.y + 0.15 * stage.height + 20, { steps: 6 });
+    await page.mouse.up();
+    const lit = () => page.evaluate(() => document.querySelector('.handle:not([hidden])')?.textContent ?? '');
+    const find = async (name) => {
+      for (let y = 0.15; y < 0.85; y += 0.025) {
+        for (let x = 0.2; x < 0.8; x += 0.02) {
+          await page.mouse.move(stage.x + x * stage.width, stage.y + y * stage.height);
+          if (name.test(await lit())) return [stage.x + x * stage.width, stage.y + y * stage.height];
+        }
+      }
+      throw new Error(`${name} does not light up`);
+    };
+    const drag = async (name, [dx, dy], since) => {
+      const at = await find(name);
+      // The clip is replaced by the next one.
+      const joint = (await lit()).replace(' ', '_');
+      const [was, head] = [await jointOf(since.clip, joint, now), await jointOf(since.clip, 'head', 5)];
+      await page.mouse.down();
+      await page.mouse.move(at[0] + dx, at[1] + dy, { steps: 6 });
+      await page.mouse.up();
+      const after = await made(since.job);
+      const edits = (await kept()).board.frames[1].edits;
+      assert.equal(edits.length, 1, JSON.stringify(edits));
+      const [edit] = edits;
+      assert.equal(edit.joint, joint);
+      assert.equal(edit.frame, now - begins);
+      const put = inWorld(since.frames[1], edit.at);
+      const off = apart(await jointOf(after.clip, joint, now), put);
+      assert.ok(off < 0.015, `${edit.joint} is ${(100 * off).toFixed(1)} cm from where it was put`);
+      assert.ok(apart(await jointOf(after.clip, 'head', 5), head) < 0.001, 'the first frame has moved');
+      await until('the joint under the pointer', async () => {
+        await page.mouse.move(at[0] + dx + 1, at[1] + dy);
+        await page.mouse.move(at[0] + dx, at[1] + dy);
+        return name.test(await lit());
+      }, 5000);
+      console.log(`  ${joint} moved by ${(100 * apart(was, put)).toFixed(1)} cm, ${(1000 * off).toFixed(1)} mm off`);
+      return after;
+    };
+    const first = await drag(/wrist/, [24, -32], before);
+    await page.locator(SHEET).focus();
+    await page.keyboard.press('Control+z');
+    await until('no edit', async () => !(await kept()).board.frames[1].edits?.length);
+    const second = await drag(/left (ankle|foot|knee)/, [-22, -18], first);
+    await page.screenshot({ path: picture(pictures, 'storyboard-space-turned') });
+    // By keys: the next joints in turn, then up and to the right, as the camera stands.
+    await page.mouse.move(stage.x + 4, stage.y + 4);
+    await page.locator('#stage').focus();
+    for (let times = 0; !/^head/.test(await lit()); times += 1) {
+      assert.ok(times < 20, 'the head is never chosen');
+      await page.keyboard.press('j');
+    }
+    await page.keyboard.press('Shift+ArrowUp');
+    await page.keyboard.press('ArrowDown');
+    await page.keyboard.press('PageUp');
+    await page.keyboard.press('PageUp');
+    assert.match(await page.locator('#said').textContent(), /head: 4 cm up, 2 cm away; Enter puts it there/);
+    await page.screenshot({ path: picture(pictures, 'storyboard-space-keys') });
+    const was = await jointOf(second.clip, 'head', now);
+    await page.keyboard.press('Enter');
+    const third = await made(second.job);
+    const is = await jointOf(third.clip, 'head', now);
+    const { edits } = (await kept()).board.frames[1];
+    assert.equal(edits.length, 2);
+    const off = apart(is, inWorld(second.frames[1], edits[1].at));
+    console.log(`  head by keys: ${is.map((value, i) => (100 * (value - was[i])).toFixed(1)).join(', ')} cm, ${(1000 * off).toFixed(1)} mm off`);
+    assert.ok(off < 0.015 && Math.abs(is[1] - was[1] - 0.04) < 0.015, String(off));
+    assert.match(await lit(), /^head/, 'the joint is not chosen any more');
+    assert.deepEqual(await violations(page), []);
+    await page.keyboard.press('Escape');
+    assert.equal(await lit(), '');
+    // Free again, the arrows turn the camera.
+    const seen = await page.locator('#stage').screenshot();
+    await page.keyboard.press('ArrowLeft');
+    await until('the turned camera', async () => !seen.equals(await page.locator('#stage').screenshot()));
+    await page.locator(SHEET).focus();
+    await page.keyboard.press(']');
+    await page.keyboard.press('Delete');
+    await until('one frame', async () => (await kept()).board.frames.length === 1);
+    await page.getByRole('button', { name: 'Generate all' }).click();
+    await made(third.job);
+  });
+
   await step('it is taken home as a file', async () => {
     await page.getByRole('button', { name: 'Export', exact: true }).click();
     await page.locator('dialog select').first().selectOption('bvh');
@@ -288,6 +397,51 @@ try {
     const facts = JSON.parse(execFileSync(command, [...first, 'inspect', path, '--json'], { encoding: 'utf8' }));
     assert.match(JSON.stringify(facts), /right_foot/);
     await page.keyboard.press('Escape');
+  });
+
+  await step('a moving picture of one plays in the browser', async () => {
+    const [command, ...first] = [program].flat();
+    const board = new URL('../../samples/storyboards/kick.json', import.meta.url).pathname;
+    execFileSync(command, [...first, 'storyboard', board, '-o', join(folder, 'kick.glb'), '--video', join(folder, 'kick.webm')], { stdio: 'pipe' });
+    const bytes = readFileSync(join(folder, 'kick.webm'));
+    const tab = await (await browser.newContext()).newPage();
+    const shown = await tab.evaluate(async (text) => {
+      const video = document.createElement('video');
+      const heard = (name) => new Promise((done, fail) => {
+        video.addEventListener(name, done, { once: true });
+        video.addEventListener('error', () => fail(new Error(video.error.message)), { once: true });
+      });
+      const loaded = heard('loadeddata');
+      video.src = URL.createObjectURL(new Blob([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], { type: 'video/webm; codecs="av01.0.04M.08"' }));
+      await loaded;
+      const canvas = document.createElement('canvas');
+      [canvas.width, canvas.height] = [video.videoWidth, video.videoHeight];
+      const at = async (seconds) => {
+        const sought = heard('seeked');
+        video.currentTime = seconds;
+        await sought;
+        const context = canvas.getContext('2d', { willReadFrequently: true });
+        context.drawImage(video, 0, 0);
+        return context.getImageData(0, 0, canvas.width, canvas.height).data;
+      };
+      // How many pixels of a half differ between two moments, and the paper's colour.
+      const [early, late, again] = [await at(0.225), await at(1.525), await at(0.225)];
+      const differ = (a, b, from, to) => {
+        let count = 0;
+        for (let y = 0; y < canvas.height; y += 1) {
+          for (let x = from; x < to; x += 1) count += Math.abs(a[4 * (y * canvas.width + x) + 1] - b[4 * (y * canvas.width + x) + 1]) > 60 ? 1 : 0;
+        }
+        return count;
+      };
+      const half = canvas.width / 2;
+      return { size: [canvas.width, canvas.height], duration: video.duration, drawing: differ(early, late, 0, half - 2), motion: differ(early, late, half + 2, canvas.width), same: differ(early, again, 0, canvas.width), paper: [...early.slice(0, 3)], seekable: video.seekable.end(0) };
+    }, bytes.toString('base64'));
+    await tab.context().close();
+    console.log(`  ${(bytes.length / 1000).toFixed(0)} kB, ${shown.duration} s, ${shown.motion} pixels moved`);
+    assert.deepEqual(shown.size, [680, 360]);
+    assert.ok(shown.duration === 2 && shown.seekable === 2, JSON.stringify(shown));
+    assert.ok(shown.motion > 300 && shown.drawing < 20 && shown.same === 0, JSON.stringify(shown));
+    assert.ok(shown.paper.every((part) => part > 250), 'the paper is not white');
   });
 
   await step('another one is stopped', async () => {
@@ -383,6 +537,24 @@ async function made(before) {
   }, 240_000);
 }
 
+/** A place of a frame's own space in the whole animation's. */
+function inWorld({ turn, shift }, [x, y, z]) {
+  const [c, s] = [Math.cos(turn), Math.sin(turn)];
+  return [shift[0] + c * x + s * z, shift[1] + y, shift[2] + c * z - s * x];
+}
+
+function apart(a, b) {
+  return Math.hypot(...a.map((value, i) => value - b[i]));
+}
+
+/** Where a joint of a clip of the project is, metres. */
+async function jointOf(clip, name, frame) {
+  const [facts, poses] = await Promise.all([fetch(new URL(`api/clips/${clip}`, studio.address)).then((answer) => answer.json()), fetch(new URL(`api/clips/${clip}/poses`, studio.address)).then((answer) => answer.arrayBuffer())]);
+  const { body, positions } = readPoses(poses, rigOf(facts)).motion;
+  const at = 3 * (frame * body.names.length + body.names.indexOf(name));
+  return [...positions.subarray(at, at + 3)];
+}
+
 /** From the sample's canvas to parts of the sheet: all lines of a good size in its middle. */
 async function scaled(page, lines = [...sample.body, ...sample.trajectories.map((way) => way.points), ...sample.scene]) {
   const box = await page.locator(SHEET).boundingBox();
@@ -414,6 +586,7 @@ async function clear(page) {
 }
 
 async function step(name, work) {
+  if (!wanted.test(name)) return;
   const begun = Date.now();
   try {
     await work();

@@ -379,6 +379,12 @@ pub enum CliError {
     /// The contact sheet could not be made.
     #[error(transparent)]
     Sheet(#[from] SheetError),
+    /// A moving picture could not be made.
+    #[error("the moving picture could not be made: {}", printable::text(cause))]
+    Video {
+        /// What the encoder says.
+        cause: String,
+    },
     /// A result could not be put in its file format.
     #[error("the result could not be written: {}", printable::text(.0))]
     Export(Box<FormatError>),

@@ -40,8 +40,12 @@ const BOARD_KEYS: readonly (readonly [string, string])[] = [
   ['M', 'Generate the frame'],
   ['Ctrl Enter', 'Generate all'],
   ['Esc', 'Stop'],
-  ['J', 'Next joint (V, on the sheet)'],
-  ['← ↑ ↓ →', 'Move it; Delete frees it'],
+  ['J', 'Next joint (on the sheet with V, or in 3D)'],
+  ['← ↑ ↓ →', 'Move it; Shift: farther'],
+  ['Delete', 'Free it (sheet)'],
+  ['PgUp PgDn', 'Away, nearer (3D)'],
+  ['Enter', 'Put it there (3D)'],
+  ['Ctrl Z', 'Undo in the storyboard'],
 ];
 
 export function showShortcuts(): void {

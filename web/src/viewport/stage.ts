@@ -30,6 +30,8 @@ export class Stage {
   readonly canvas: HTMLCanvasElement;
   /** Whether more pictures follow at once: then none is worth being drawn finely. */
   moving = false;
+  /** After each picture. */
+  onrender: () => void = () => undefined;
   readonly draw: () => void;
   readonly orbit: Orbit;
   readonly #renderer: WebGLRenderer;
@@ -266,6 +268,7 @@ export class Stage {
     this.#camera.far = far * 6 + 10 * this.#size.tall;
     this.#camera.updateProjectionMatrix();
     this.#renderer.render(this.#scene, this.#camera);
+    this.onrender();
     this.#adapt(performance.now() - begin);
   }
 

@@ -23,8 +23,8 @@ pub(super) const EXAMPLES: &str = r#"Examples:
       from clips of your own, of any skeleton: a drawn way and a word are enough
   inkrig storyboard kick.json --engine both --examples kicks/ --report kick-report.json -o kick.glb
       the model begins with your clips; the report has it beside the model alone and the clips alone
-  inkrig storyboard kick.json --video kick.gif -o kick.glb
-      with a moving picture of the motion beside the drawing
+  inkrig storyboard kick.json --video kick.webm -o kick.glb
+      with a video of the motion beside the drawing; kick.gif for a GIF
 
 docs/storyboard.md says how storyboards are drawn and written."#;
 
@@ -86,8 +86,8 @@ pub struct StoryboardArgs {
     /// Write a page that plays the motion beside its drawings, with drawn ways and poses in space; it needs no server
     #[arg(long, value_name = "PAGE.html", value_hint = ValueHint::FilePath)]
     pub preview: Option<PathBuf>,
-    /// Write a moving picture: the motion beside its drawings, 20 pictures a second
-    #[arg(long, value_name = "FILE.gif", value_hint = ValueHint::FilePath)]
+    /// Write a moving picture, .webm or .gif: the motion beside its drawings, 20 pictures a second, two minutes at most
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub video: Option<PathBuf>,
     /// Write what was understood and how exactly it is met, as JSON
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]

@@ -1,6 +1,7 @@
 //! `inkrig storyboard` on the command line.
 
 use crate::{inkrig, text};
+use std::process::Command;
 
 /// A folder with the kick.
 fn desk() -> (tempfile::TempDir, std::path::PathBuf) {
@@ -327,7 +328,7 @@ fn engines_are_compared_and_what_does_not_go_together_is_said() {
     for (more, said) in [
         (&["--engine", "example"][..], "need clips"),
         (&["--examples", "people"], "--engine learned"),
-        (&["--video", "kick.webm"], "moving pictures are .gif"),
+        (&["--video", "kick.mp4"], "moving pictures are .webm and .gif"),
         (&["--engine", "both", "--examples", "people", "--steps", "2"], "does nothing with --steps"),
     ] {
         let output = inkrig(&folder, &[&["storyboard", "kick.json", "-o", "new.bvh"][..], more].concat());
@@ -335,6 +336,57 @@ fn engines_are_compared_and_what_does_not_go_together_is_said() {
         assert!(text(&output.stderr).contains(said), "{more:?}: {}", text(&output.stderr));
     }
     assert!(!folder.join("new.bvh").exists());
+}
+
+#[test]
+fn a_video_says_how_long_it_is_and_is_the_same_on_any_number_of_threads() {
+    let (_keep, folder) = desk();
+    std::fs::write(folder.join("trot.json"), TROT).unwrap();
+    clips(&folder, "hound", "quadruped.bvh");
+    let ask = ["storyboard", "trot.json", "--engine", "example", "--examples", "hound", "-o", "trot.bvh"];
+    let [webm, again] = ["trot.webm", "again.webm"].map(|name| {
+        let threads = if name == "again.webm" { "1" } else { "3" };
+        let ask = [&ask[..], &["--force", "--report", "r.json", "--video", name]].concat();
+        let mut program = Command::new(env!("CARGO_BIN_EXE_inkrig"));
+        program.current_dir(&folder).args(ask).env("RAYON_NUM_THREADS", threads);
+        let output = program.output().unwrap();
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        std::fs::read(folder.join(name)).unwrap()
+    });
+    assert!(webm == again, "the number of threads takes part in a video");
+    // Twenty pictures a second, two seconds in a cluster, all sizes known.
+    let whole = elements(&webm);
+    assert_eq!(whole.iter().map(|own| own.0).collect::<Vec<_>>(), [0x1A45_DFA3, 0x1853_8067]);
+    assert!(whole[0].1.windows(4).any(|four| four == b"webm"));
+    let segment = elements(whole[1].1);
+    let blocks: Vec<usize> = segment
+        .iter()
+        .filter(|own| own.0 == 0x1F43_B675)
+        .map(|own| elements(own.1).iter().filter(|own| own.0 == 0xA3).count())
+        .collect();
+    let pictures: usize = blocks.iter().sum();
+    let report: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(folder.join("r.json")).unwrap()).unwrap();
+    let seconds = report["parts"][0]["frames"].as_f64().unwrap() / report["frame_rate"].as_f64().unwrap();
+    assert_eq!(pictures as f64, (20.0 * seconds).ceil());
+    assert!(blocks.iter().rev().skip(1).all(|count| *count == 40), "{blocks:?}");
+    let info = elements(segment.iter().find(|own| own.0 == 0x1549_A966).unwrap().1);
+    let duration = info.iter().find(|own| own.0 == 0x4489).unwrap().1;
+    assert_eq!(f64::from_be_bytes(duration.try_into().unwrap()), 50.0 * pictures as f64);
+}
+
+/// What is in a Matroska file or in one of its elements: number and bytes.
+fn elements(mut bytes: &[u8]) -> Vec<(u32, &[u8])> {
+    let mut found = Vec::new();
+    while let Some(first) = bytes.first() {
+        let name = 1 + first.leading_zeros() as usize;
+        let long = 1 + bytes[name].leading_zeros() as usize;
+        let number = |bytes: &[u8]| bytes.iter().fold(0_u64, |sum, byte| sum << 8 | u64::from(*byte));
+        let size = (number(&bytes[name..name + long]) & !(1 << (7 * long))) as usize;
+        found.push((number(&bytes[..name]) as u32, &bytes[name + long..name + long + size]));
+        bytes = &bytes[name + long + size..];
+    }
+    found
 }
 
 /// From the drawing to somebody else's character, where that is there: limbs, trunk, knees and elbows, feet, ground.

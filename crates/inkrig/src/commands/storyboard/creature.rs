@@ -115,7 +115,7 @@ pub(super) fn run(
         files.push((path, sheet::of_scene(&scene)?));
     }
     if let Some(path) = &args.video {
-        files.push((path, video::gif(&scene, console, &mut warnings)?));
+        files.push((path, video::video(path, &scene, console, &mut warnings)?));
     }
     let record = Record::of(args, &read, &made, certificate, warnings);
     if let Some(path) = &args.report {

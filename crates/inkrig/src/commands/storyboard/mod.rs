@@ -127,7 +127,7 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     record.add_engines(&retrieved, compared);
     if let Some(path) = &args.video {
         let scene = scene::Scene::of_person(&board, &understood, &made);
-        files.push((path, video::gif(&scene, console, &mut record.warnings)?));
+        files.push((path, video::video(path, &scene, console, &mut record.warnings)?));
     }
     if let Some(path) = &args.report {
         files.push((path, serde_json::to_vec_pretty(&record)?));
