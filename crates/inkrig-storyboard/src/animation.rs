@@ -8,14 +8,18 @@ use crate::exact::{
 };
 use crate::generate::Generated;
 use crate::path;
+use crate::plan::Plan;
 use crate::sequence::{Blender, Joined, sequence_of};
 use inkrig_motion::Clip;
 use inkrig_motion::glam::{Quat, Vec2, Vec3};
-use inkrig_motion::humanml::{FRAME_RATE, Joints, keep_footing, skeleton, to_clip};
+use inkrig_motion::humanml::{self, FRAME_RATE, Joints, keep_footing, skeleton, to_clip};
 use std::sync::Arc;
 
 /// What changes by less than this stays, metres.
 const STAYS: f32 = 0.01;
+
+/// A picture whose upward axis rises less than this is seen from above and says nothing of heights.
+const LEVEL: f32 = 0.1;
 
 /// A whole animation of more seconds is not made: all its frames are moved at once, which takes a gigabyte for ten minutes.
 const MOST_SECONDS: f64 = 600.0;
@@ -107,7 +111,12 @@ pub fn animation(
     let joined = sequence_of(clips, &motions, blender)?;
     let rig = Arc::new(skeleton(body, &joined.motion)?);
     let motion = joints_of(&to_clip(&joined.motion, &rig, FRAME_RATE)?);
-    let footing = keep_footing(&motion, &contacts(clips, &joined), FRAME_RATE, &[])?;
+    let high: Vec<humanml::Kept> = clips
+        .iter()
+        .zip(joined.starts.iter().zip(&joined.placements))
+        .flat_map(|(clip, (start, place))| rises(&clip.plan, goals_of((clip, *start, *place)), &motion))
+        .collect();
+    let footing = keep_footing(&motion, &contacts(clips, &joined), FRAME_RATE, &high)?;
     let standing = footing.standing;
     let mut clip = to_clip(&footing.frames, &rig, FRAME_RATE)?;
     let placements = placements(clips, &joined, &footing.moved);
@@ -188,6 +197,19 @@ fn placements(clips: &[Generated], joined: &Joined, moved: &[Vec3]) -> Vec<(Quat
 
 /// A clip, where it begins, and how it is turned and shifted.
 type Placed<'a> = (&'a Generated, usize, (Quat, Vec3));
+
+/// How high the drawn way of a body has it: a floor is not to press down who jumps. Ways over the ground say nothing of it.
+fn rises(plan: &Plan, mut goals: Vec<Goal>, motion: &[Joints]) -> Vec<humanml::Kept> {
+    follow(&mut goals, motion);
+    let ways = goals.iter().filter(|goal| goal.joint == 0 && goal.source == Source::Way);
+    let ways = ways.filter(|_| plan.over_ground().is_empty());
+    ways.filter_map(|goal| {
+        let (up, pelvis) = (goal.axes[1].y, motion.get(goal.frame)?[0]);
+        let rise = -goal.miss(pelvis).y / up;
+        (up > LEVEL).then_some(humanml::Kept { frame: goal.frame, joint: 0, place: pelvis + Vec3::Y * rise })
+    })
+    .collect()
+}
 
 /// What a clip asks of the whole.
 fn goals_of((clip, start, placement): Placed<'_>) -> Vec<Goal> {

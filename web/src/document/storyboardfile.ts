@@ -21,6 +21,8 @@ export interface BoardFrame {
   readonly take?: number | undefined;
   /** What motions are sampled with; without it the frame's place, from 1. */
   readonly number?: number | undefined;
+  /** Whose way over the ground is gone: on from the frame before, or that of a place in the story, from 1. */
+  readonly path?: 'continue' | number | undefined;
 }
 
 export interface Way {
@@ -107,6 +109,15 @@ export function numbered(before: readonly BoardFrame[], after: readonly BoardFra
       while (taken.has(number)) number += 1;
       taken.add(number);
     }
-    return number === (frame.number ?? i + 1) ? frame : { ...frame, number };
+    const path = leading(before, after, frame.path);
+    return number === (frame.number ?? i + 1) && path === frame.path ? frame : { ...frame, number, path };
   });
+}
+
+/** Where the frame is now whose way is gone; nothing where it is no more. */
+function leading(before: readonly BoardFrame[], after: readonly BoardFrame[], path: BoardFrame['path']): BoardFrame['path'] {
+  if (typeof path !== 'number') return path;
+  const leader = before[path - 1];
+  const at = leader ? after.indexOf(leader) : -1;
+  return at < 0 ? undefined : at + 1;
 }

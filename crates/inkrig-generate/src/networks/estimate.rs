@@ -321,6 +321,13 @@ mod tests {
     }
 
     #[test]
+    fn what_nothing_settles_is_corrected_more_where_little_noise_is_left() {
+        let both = |timestep| [false, true].map(|settled| corrections_at(timestep, settled));
+        assert_eq!((both(1), both(99)), ([8, 2], [8, 2]));
+        assert_eq!((both(100), both(981)), ([2, 2], [2, 2]));
+    }
+
+    #[test]
     fn clips_of_any_length_are_told_in_the_same_slots() {
         let asked = |frames: usize| -> Vec<(usize, Vec<f32>)> {
             (0..frames).map(|frame| (frame, row(&[(30, 1.0), (31, frame as f32 / frames as f32)]))).collect()

@@ -3,8 +3,8 @@
 
 use super::generate::{HUMANOID, Model, named_model};
 use super::storyboard::{
-    Asked, CANDIDATES, GUIDE_EVERY, Made, Next, Part, Reader, Settings, Takes, Workshop, all, frames, parts,
-    pose, poses, ways,
+    Asked, CANDIDATES, GUIDE_EVERY, Made, Next, Part, Reader, Settings, Takes, Workshop, all, frames,
+    lasting, parts, pose, poses, ways,
 };
 use crate::cli::{BlendArg, ExactArg};
 use crate::error::CliError;
@@ -188,6 +188,8 @@ fn one(
             read.get_mut(of - 1).into_iter().for_each(|read| *read = Some(other.clone()));
         }
         read.get_mut(number - 1).into_iter().for_each(|read| *read = Some(own.clone()));
+    } else {
+        lasting(read.iter().flatten(), workshop.path)?;
     }
     Ok((read, alone))
 }

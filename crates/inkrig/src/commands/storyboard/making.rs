@@ -110,8 +110,16 @@ pub(in crate::commands) fn frames(
         .zip(&board.frames)
         .map(|(number, frame)| reader.read(number, frame))
         .collect::<Result<_, _>>()?;
-    check_length(read.iter().map(|read| read.plan.frames as f64 / FRAME_RATE)).map_err(wrong(path))?;
+    lasting(read.iter(), path)?;
     Ok(read)
+}
+
+/// Whether frames that were read can become one animation.
+pub(in crate::commands) fn lasting<'a>(
+    read: impl Iterator<Item = &'a Understood>,
+    path: &Path,
+) -> Result<(), CliError> {
+    check_length(read.map(|read| read.plan.frames as f64 / FRAME_RATE)).map_err(wrong(path))
 }
 
 /// Reads frames one by one.

@@ -32,7 +32,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 pub(super) use making::{
-    Asked, CANDIDATES, GUIDE_EVERY, Made, Next, Reader, Settings, Workshop, all, frames, shown,
+    Asked, CANDIDATES, GUIDE_EVERY, Made, Next, Reader, Settings, Workshop, all, frames, lasting, shown,
 };
 pub(super) use page::{page, pose, ways};
 pub(super) use record::{Part, parts, poses};

@@ -43,6 +43,10 @@ pub(super) fn write(pictures: &Pictures<'_>, console: &Console) -> Result<Vec<u8
     bar.finish()?;
     let parts = parts?;
     let mut description = context()?.container_sequence_header();
+    // The encoder says there that it does not know the level, which the stream itself does.
+    if let Some(own) = description.get_mut(1) {
+        *own = own.wrapping_shr(5) << 5 | LEVEL;
+    }
     let first = parts.first().and_then(|part| part.first());
     description.extend_from_slice(first.and_then(|first| sequence_header(&first.bytes)).unwrap_or_default());
     let track = Track { codec: "V_AV1", description: &description, size: SIZE, rate: RATE };
