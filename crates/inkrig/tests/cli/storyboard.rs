@@ -400,7 +400,7 @@ fn a_drawn_walk_and_wave_is_certified_on_a_character() {
         return;
     }
     let (_keep, folder) = desk();
-    for name in ["walk-and-wave", "turn-and-run"] {
+    for name in ["walk-and-wave", "jump"] {
         let file = format!("{name}.json");
         std::fs::write(folder.join(&file), inkrig::samples::find(&file).unwrap().bytes).unwrap();
         let character = character.to_string_lossy();
