@@ -73,8 +73,8 @@ pub struct Plan {
     pub ways: Vec<(usize, usize, Vec<Vec2>)>,
     /// Whose way over the ground it takes over.
     pub follows: Option<FramePath>,
-    /// That way, once it is made: where in the clip's own space the pelvis is, a place a frame; its height is told to the model and met by
-    /// nobody. See [`along`](Self::along).
+    /// That way, once it is made: where in the clip's own space the pelvis is, a place a frame; its height is told to the model, and no
+    /// goal asks for it. See [`along`](Self::along).
     pub path: Option<Vec<Vec3>>,
     /// Whether the places are where a clip that begins at the origin has them. A figure at the end of its way stands where
     /// the motion will have taken it, which is known only when there is one.

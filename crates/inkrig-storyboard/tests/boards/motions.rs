@@ -3,7 +3,7 @@
 use crate::support::{MODEL, board, generated, p99, poses, understood};
 use inkrig_generate::measures::{jerk, skating};
 use inkrig_generate::sampling::SamplingOptions;
-use inkrig_motion::humanml::bone_lengths;
+use inkrig_motion::humanml::{Joints, bone_lengths};
 use inkrig_sketch::storyboard::{Frame, read_storyboard};
 use inkrig_storyboard::{Exact, Generated, Goal, MeetOptions, Understood, animation, misses};
 
@@ -95,4 +95,21 @@ fn word_pose_and_path_each_do_their_part() {
         assert!(own[0] < 0.12, "{name}: {own:?}");
     }
     assert!(!drawn.plan.ways.is_empty());
+}
+
+#[test]
+fn a_drawn_jump_leaves_the_floor() {
+    let frames = board("jump").frames;
+    let read = frames.iter().map(|frame| understood(frame).unwrap());
+    let clips: Vec<Generated> =
+        read.enumerate().map(|(at, read)| generated(&read, at + 1, &MODEL.sampling, true)).collect();
+    let made = animation(&clips, None, &MODEL.body, &Exact::Pin(MeetOptions::default())).unwrap();
+    let motion = poses(&made.clip);
+    let lowest =
+        |frame: &Joints| [7, 8, 10, 11].map(|joint| frame[joint].y).into_iter().fold(f32::MAX, f32::min);
+    let first = 0..clips[0].motion.len();
+    let high = motion[first].iter().map(lowest).fold(f32::MIN, f32::max);
+    let slides = skating(&motion).ratio;
+    println!("a jump: lower foot {high:.2} m up, feet slide in {slides:.3} of all moments");
+    assert!(high > 0.1 && slides < 0.05, "{high} {slides}");
 }
