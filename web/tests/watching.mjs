@@ -202,6 +202,8 @@ try {
         await page.keyboard.press('Escape');
         assert.equal(seen.size === 0, calm, [...seen].join('; '));
         await penStroke(page, '#pen', spiral(2, 60));
+        // Between the last preview and the result the status says neither for a moment.
+        await rest(500);
         await until('the result', () => page.evaluate(() => !/Preview|Solving/.test(document.querySelector('#status').textContent)));
         const begin = await time(page);
         await rest(600);
