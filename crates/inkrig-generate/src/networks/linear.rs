@@ -1,7 +1,7 @@
 //! A linear layer.
 
 use crate::GenerateError;
-use crate::numeric::elementwise::add;
+use crate::numeric::elementwise::add_rows;
 use crate::numeric::half::{HalfPacked, HalfWork, add_half_weight_gradient, available, multiply_half};
 use crate::numeric::product::{Out, OuterWork, Packed, Rows, add_weight_gradient, multiply};
 use crate::weights::{Slots, Tensors};
@@ -128,7 +128,7 @@ impl Linear {
     pub(crate) fn weight_gradient(&self, x: &[f32], grad: &[f32], weights: &mut [f32], work: &mut OuterWork) {
         let outputs = self.packed.columns();
         let bias = &mut weights[self.slots.bias..][..outputs];
-        grad.chunks_exact(outputs).for_each(|row| add(bias, row));
+        add_rows(bias, grad);
         self.matrix_gradient(x, grad, weights, work);
     }
 

@@ -4,6 +4,8 @@ use pulp::Arch;
 
 /// Floats of the widest register: sums run in that many lanes, on every processor.
 const LANES: usize = 16;
+/// How high the normal distribution is in its middle.
+const ROOT: f32 = 0.398_942_3;
 
 /// `x Phi(x)` with the exact normal distribution, not the tanh that resembles it. Returned in `out`; `x` stays, as its
 /// gradient needs it.
@@ -20,12 +22,25 @@ pub(crate) fn gelu(x: &[f32], out: &mut [f32]) {
 
 /// The gradient at `x` of what follows, by that of what follows, in place.
 pub(crate) fn gelu_gradient(x: &[f32], grad: &mut [f32]) {
-    const ROOT: f32 = 0.398_942_3;
     Arch::new().dispatch(
         #[inline(always)]
         || {
             for (grad, &x) in grad.iter_mut().zip(x) {
                 *grad *= normal_below(x) + x * ROOT * exp(-0.5 * x * x);
+            }
+        },
+    );
+}
+
+/// [`gelu`] and [`gelu_gradient`] at once.
+pub(crate) fn gelu_again(x: &[f32], out: &mut [f32], grad: &mut [f32]) {
+    Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            for ((out, grad), &x) in out.iter_mut().zip(grad).zip(x) {
+                let below = normal_below(x);
+                *out = x * below;
+                *grad *= below + x * ROOT * exp(-0.5 * x * x);
             }
         },
     );
@@ -52,6 +67,20 @@ pub(crate) fn add(out: &mut [f32], x: &[f32]) {
         || {
             for (out, x) in out.iter_mut().zip(x) {
                 *out += x;
+            }
+        },
+    );
+}
+
+/// Adds every row of a table to a row.
+pub(crate) fn add_rows(out: &mut [f32], table: &[f32]) {
+    Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            for row in table.chunks_exact(out.len().max(1)) {
+                for (out, x) in out.iter_mut().zip(row) {
+                    *out += x;
+                }
             }
         },
     );

@@ -10,8 +10,8 @@ pub(crate) mod normal;
 pub(crate) mod product;
 
 /// Makes a buffer as long as it has to be; what was in it is of no use.
-pub(crate) fn fit(buffer: &mut Vec<f32>, length: usize) -> &mut [f32] {
-    buffer.resize(length, 0.0);
+pub(crate) fn fit<T: Clone + Default>(buffer: &mut Vec<T>, length: usize) -> &mut [T] {
+    buffer.resize(length, T::default());
     buffer
 }
 

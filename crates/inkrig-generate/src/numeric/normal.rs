@@ -71,13 +71,19 @@ impl LayerNorm {
     pub(crate) fn weight_gradient(&self, grad: &[f32], kept: &Normalised, weights: &mut [f32]) {
         let width = self.scale.len();
         let mut sums = [vec![0.0_f32; width], vec![0.0_f32; width]];
-        for (grad, row) in grad.chunks_exact(width).zip(kept.rows.chunks_exact(width)) {
-            let [scale, shift] = &mut sums;
-            for (((scale, shift), grad), row) in scale.iter_mut().zip(shift).zip(grad).zip(row) {
-                *scale += grad * row;
-                *shift += grad;
-            }
-        }
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                let [scale, shift] = &mut sums;
+                for (grad, row) in grad.chunks_exact(width).zip(kept.rows.chunks_exact(width)) {
+                    let sums = scale.iter_mut().zip(shift.iter_mut());
+                    for (((scale, shift), grad), row) in sums.zip(grad).zip(row) {
+                        *scale += grad * row;
+                        *shift += grad;
+                    }
+                }
+            },
+        );
         add(&mut weights[self.slots.weight..][..width], &sums[0]);
         add(&mut weights[self.slots.bias..][..width], &sums[1]);
     }

@@ -226,6 +226,23 @@ impl Style {
         style
     }
 
+    /// The same of somebody with stranger habits: bodies of other proportions, heads and pens of other sizes, a hand that shakes more. What
+    /// has learned from such drawings, too, follows the lines of people whom it has not met.
+    pub fn varied(family: Family, noise: &mut Noise) -> Self {
+        let mut style = Self::random(family, noise);
+        let body = &mut style.proportions;
+        for length in [&mut body.legs, &mut body.spine, &mut body.neck, &mut body.arms] {
+            *length = noise.between(0.6, 1.6);
+        }
+        body.feet *= noise.between(0.7, 1.4);
+        style.head *= noise.between(0.7, 1.35);
+        style.head_height *= noise.between(0.85, 1.15);
+        style.pen *= noise.between(0.7, 1.5);
+        style.wobble *= noise.between(1.0, 1.6);
+        style.jitter *= noise.between(1.0, 1.6);
+        style
+    }
+
     fn usual(family: Family, noise: &mut Noise) -> Self {
         let narrow = noise.happens(0.3);
         let proportions = Proportions {

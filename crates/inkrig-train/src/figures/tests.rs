@@ -56,6 +56,27 @@ fn a_drawing_has_ink_at_its_key_points_and_belongs_to_its_seed() {
 }
 
 #[test]
+fn varied_figures_are_of_their_family_and_readable() {
+    let pose = seen(&standing(), &Camera::default(), 0.0);
+    let mut legs = [f32::INFINITY, 0.0_f32];
+    for seed in 0..120 {
+        let mut noise = Noise::new(seed);
+        let family = Family::LEARNED[seed as usize % Family::LEARNED.len()];
+        let style = Style::varied(family, &mut noise);
+        assert_eq!(style.family, family);
+        legs = [legs[0].min(style.proportions.legs), legs[1].max(style.proportions.legs)];
+        let picture = picture(&draw(&pose, &style, &mut noise), &Conditions::LEARNED, &mut noise);
+        for (place, drawn) in picture.places.iter().zip(picture.drawn) {
+            assert!(
+                !drawn || place.iter().all(|along| (0.0..SIDE as f32).contains(along)),
+                "{seed} {place:?}"
+            );
+        }
+    }
+    assert!(legs[0] < 0.65 && legs[1] > 1.5, "{legs:?}");
+}
+
+#[test]
 fn proportions_change_lengths_and_nothing_else() {
     let pose = seen(&standing(), &Camera::new(0.0, 0.0), 0.0);
     let same = Proportions::default().apply(&pose);

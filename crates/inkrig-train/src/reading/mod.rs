@@ -13,7 +13,7 @@ mod words;
 
 pub use marked::{MarkedDrawing, measure_marked};
 pub use pck::{Found, Pck, Subset, measure, measure_by, rendered};
-pub use poses::Poses;
+pub use poses::{Poses, Shares};
 pub use run::OnStep;
 pub use settings::{Pace, SketchSettings, WordSettings};
 pub use train_sketch::{SketchRow, train_sketch};

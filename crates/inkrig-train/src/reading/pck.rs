@@ -2,7 +2,7 @@
 //! the drawing's scale, so that a figure that bends towards the viewer is not held to nothing; key points are where the drawing has
 //! them. The same of where the pose has them, by the torso as it looks on paper, stands beside it.
 
-use super::Poses;
+use super::{Poses, Shares};
 use crate::figures::{Conditions, Family, Picture};
 use inkrig_generate::readers::ink::Ink;
 use inkrig_generate::readers::network::Work;
@@ -77,10 +77,11 @@ pub fn rendered(poses: &Poses, subset: Subset, count: usize, seed: u64) -> Vec<P
         Subset::Clutter => &[Family::Filled, Family::Outline],
     };
     let turned = if subset == Subset::AnySide { 1.0 } else { 0.0 };
+    let shares = Shares { turned, ..Shares::default() };
     let one = |at: usize| {
         let mut noise = Noise::new(seed.wrapping_mul(0x2545_F491_4F6C_DD1D).wrapping_add(at as u64));
         noise.uniform();
-        poses.picture(families, &conditions, 0.0, turned, &mut noise)
+        poses.picture(families, &conditions, &shares, &mut noise)
     };
     (0..count).map(one).collect()
 }

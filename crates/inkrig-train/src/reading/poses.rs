@@ -2,7 +2,7 @@
 
 use crate::TrainError;
 use crate::corpus::{Manifest, Split};
-use crate::figures::{Chance, Conditions, Family, Picture, Seen, Style, draw, picture, seen};
+use crate::figures::{Chance, Conditions, Family, Picture, Style, draw, picture, seen};
 use inkrig_generate::schedule::Noise;
 use inkrig_motion::glam::{Quat, Vec3};
 use inkrig_motion::humanml::{Camera, Joints, PARENTS, mirror, recover_positions};
@@ -66,33 +66,38 @@ impl Poses {
         if noise.happens(0.5) { mirror(&[pose]).first().copied().unwrap_or(pose) } else { pose }
     }
 
-    /// A drawing of a pose, on paper. `bent` is the share of poses whose limbs are bent further at random, `turned` that of views
-    /// from any side; the others are from the front half, -50 to 50 degrees.
+    /// A drawing of a pose, on paper.
     pub fn picture(
         &self,
         families: &[Family],
         conditions: &Conditions,
-        bent: f64,
-        turned: f64,
+        shares: &Shares,
         noise: &mut Noise,
     ) -> Picture {
         let mut pose = self.pose(noise);
-        if noise.happens(bent) {
+        if noise.happens(shares.bent) {
             bend(&mut pose, noise);
         }
-        let yaw =
-            if noise.happens(turned) { noise.between(-180.0, 180.0) } else { noise.between(-50.0, 50.0) };
+        let turned = noise.happens(shares.turned);
+        let yaw = if turned { noise.between(-180.0, 180.0) } else { noise.between(-50.0, 50.0) };
         let camera = Camera::new(noise.between(0.0, 30.0).to_radians(), yaw.to_radians());
         let pose = seen(&pose, &camera, noise.between(-10.0, 10.0).to_radians());
-        self.drawn(&pose, families, conditions, noise)
-    }
-
-    fn drawn(&self, pose: &Seen, families: &[Family], conditions: &Conditions, noise: &mut Noise) -> Picture {
         let family = families.get(noise.below(families.len())).copied().unwrap_or(Family::Stick);
-        let style = Style::random(family, noise);
-        let drawn = draw(pose, &style, noise);
-        picture(&drawn, conditions, noise)
+        let varied = shares.varied > 0.0 && noise.happens(shares.varied);
+        let style = if varied { Style::varied(family, noise) } else { Style::random(family, noise) };
+        picture(&draw(&pose, &style, noise), conditions, noise)
     }
+}
+
+/// Of how many drawings something holds, 0 to 1 each.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Shares {
+    /// Limbs are bent further at random.
+    pub bent: f64,
+    /// Seen from any side; the others are from the front half, -50 to 50 degrees.
+    pub turned: f64,
+    /// Drawn as [`Style::varied`] does.
+    pub varied: f64,
 }
 
 /// Turned about the vertical so that hips and shoulders face +z.

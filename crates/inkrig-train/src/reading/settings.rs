@@ -59,13 +59,15 @@ pub struct SketchSettings {
     pub bent: f64,
     /// Share of figures that are seen from any side, not from the front half.
     pub turned: f64,
+    /// Share of figures of stranger proportions and habits than those that are measured on.
+    pub varied: f64,
     /// Weights to begin with, as far as their tensors fit; all others begin at random.
     pub from: Option<PathBuf>,
 }
 
 impl Default for SketchSettings {
     fn default() -> Self {
-        Self { pace: Pace::default(), bent: 0.3, turned: 0.15, from: None }
+        Self { pace: Pace::default(), bent: 0.3, turned: 0.15, varied: 0.35, from: None }
     }
 }
 
@@ -123,7 +125,7 @@ impl SketchSettings {
     }
 
     pub(super) fn check(&self) -> Result<(), String> {
-        shares([("bent", self.bent), ("turned", self.turned)]).and(self.pace.check())
+        shares([("bent", self.bent), ("turned", self.turned), ("varied", self.varied)]).and(self.pace.check())
     }
 
     pub(super) fn identity(&self) -> String {

@@ -2,7 +2,7 @@
 
 use super::run::{At, Lesson, OnStep, Task, teach};
 use super::sketch_loss::Loss;
-use super::{Poses, SketchSettings, Subset, measure, rendered};
+use super::{Poses, Shares, SketchSettings, Subset, measure, rendered};
 use crate::TrainError;
 use crate::corpus::{Manifest, Split};
 use crate::figures::{Conditions, Family, Picture};
@@ -85,8 +85,9 @@ impl Lesson for SketchLesson<'_> {
     type Row = SketchRow;
 
     fn example(&self, network: &Network, noise: &mut Noise, work: &mut Work, gradient: &mut [f32]) -> f64 {
-        let (bent, turned) = (self.settings.bent, self.settings.turned);
-        let picture = self.poses.picture(&Family::LEARNED, &Conditions::LEARNED, bent, turned, noise);
+        let SketchSettings { bent, turned, varied, .. } = *self.settings;
+        let shares = Shares { bent, turned, varied };
+        let picture = self.poses.picture(&Family::LEARNED, &Conditions::LEARNED, &shares, noise);
         network.forward(&picture.ink.pixels, work);
         let mut loss = Loss::default();
         loss.of(&picture, work.value(self.outputs.heat), work.value(self.outputs.presence));

@@ -1,10 +1,10 @@
 //! From gradients of what came out to that of all weights.
 
-use super::depthwise::{convolve, weight_gradient};
-use super::forward::{Work, four, grid};
+use super::depthwise::{Convolution, convolve, weight_gradient};
+use super::forward::{PLACES, Work, four, grid};
 use super::plan::{Kind, Shape, Value};
 use super::weights::{BlockWeights, LayerWeights, Network};
-use crate::numeric::elementwise::{add, gelu_gradient};
+use crate::numeric::elementwise::{add, gelu_again};
 use crate::numeric::fit;
 
 impl Network {
@@ -70,18 +70,34 @@ impl Network {
                 let (to_bias, own) = own.split_at_mut(width);
                 let (to_norm, own) = own.split_at_mut(2 * width);
                 let (to_first, to_second) = own.split_at_mut(hidden * (width + 1));
-                second.weight_gradient(&kept.hidden, grad, to_second, outer);
-                let wide = fit(s1, inner.places() * hidden);
-                second.backward(grad, wide, false);
-                gelu_gradient(&kept.before, wide);
-                first.weight_gradient(&kept.rows, wide, to_first, outer);
                 let rows = fit(s2, inner.numbers());
-                first.backward(wide, rows, false);
+                let (deep, width) = (PLACES * hidden, PLACES * inner.channels);
+                let (wide, after) = fit(s1, 2 * deep).split_at_mut(deep);
+                let tables = grad.chunks(width).zip(kept.before.chunks(deep));
+                for ((grad, before), (kept, rows)) in
+                    tables.zip(kept.rows.chunks(width).zip(rows.chunks_mut(width)))
+                {
+                    let (wide, after) = (&mut wide[..before.len()], &mut after[..before.len()]);
+                    second.backward(grad, wide, false);
+                    gelu_again(before, after, wide);
+                    second.weight_gradient(after, grad, to_second, outer);
+                    first.weight_gradient(kept, wide, to_first, outer);
+                    first.backward(wide, rows, false);
+                }
                 norm.weight_gradient(rows, &kept.normalised, to_norm);
                 norm.backward(rows, &kept.normalised);
-                weight_gradient(x, inner, rows, kernel, to_depthwise, to_bias);
+                let room = &mut work.room;
+                weight_gradient(x, inner, rows, kernel, room, (to_depthwise, to_bias));
                 let back = fit(s3, inner.numbers());
-                convolve(rows, inner, depthwise, kernel, None, true, back);
+                let job = Convolution {
+                    x: rows,
+                    shape: inner,
+                    weight: depthwise,
+                    kernel,
+                    bias: None,
+                    turned: true,
+                };
+                convolve(&job, room, back);
                 let into = &mut before[layer.from];
                 add(into, back);
                 add(into, grad);

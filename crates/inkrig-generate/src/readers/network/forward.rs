@@ -1,6 +1,6 @@
 //! A picture through a network.
 
-use super::depthwise::convolve;
+use super::depthwise::{Convolution, Room, convolve};
 use super::patches::Grid;
 use super::plan::{Kind, Plan, Shape, Value};
 use super::weights::{BlockWeights, LayerWeights, Network};
@@ -8,6 +8,9 @@ use crate::numeric::elementwise::{add, gelu};
 use crate::numeric::fit;
 use crate::numeric::normal::Normalised;
 use crate::numeric::product::OuterWork;
+
+/// Places of a block whose hidden channels are computed at once, so that they stay in the cache.
+pub(super) const PLACES: usize = 160;
 
 /// All tables of one picture's way, and room for their gradients. Made once, used again and again.
 #[derive(Debug, Clone, Default)]
@@ -17,6 +20,7 @@ pub struct Work {
     pub(super) gradients: Vec<Vec<f32>>,
     pub(super) scratch: [Vec<f32>; 3],
     pub(super) outer: OuterWork,
+    pub(super) room: Room,
 }
 
 /// What a layer's gradient needs.
@@ -25,9 +29,8 @@ pub(super) struct Kept {
     /// Patches; or a block's normalised table.
     pub rows: Vec<f32>,
     pub normalised: Normalised,
-    /// Before and after the block's GELU.
+    /// Before the block's GELU.
     pub before: Vec<f32>,
-    pub hidden: Vec<f32>,
 }
 
 impl Work {
@@ -78,13 +81,26 @@ impl Network {
             (Kind::Block { kernel, hidden }, LayerWeights::Block(block)) => {
                 let BlockWeights { depthwise, bias, norm, first, second } = &**block;
                 let rows = fit(&mut kept.rows, inner.numbers());
-                convolve(x, inner, depthwise, kernel, Some(bias), false, rows);
+                let job = Convolution {
+                    x,
+                    shape: inner,
+                    weight: depthwise,
+                    kernel,
+                    bias: Some(bias),
+                    turned: false,
+                };
+                convolve(&job, &mut work.room, rows);
                 norm.forward(rows, &mut kept.normalised);
                 let wide = fit(&mut kept.before, inner.places() * hidden);
-                first.forward(rows, wide);
-                let hidden = fit(&mut kept.hidden, wide.len());
-                gelu(wide, hidden);
-                second.forward(hidden, out);
+                let after = fit(&mut work.scratch[0], PLACES * hidden);
+                let (deep, width) = (PLACES * hidden, PLACES * inner.channels);
+                let tables = rows.chunks(width).zip(wide.chunks_mut(deep)).zip(out.chunks_mut(width));
+                for ((rows, wide), out) in tables {
+                    first.forward(rows, wide);
+                    let after = &mut after[..wide.len()];
+                    gelu(wide, after);
+                    second.forward(after, out);
+                }
                 add(out, x);
             }
             _ => {
