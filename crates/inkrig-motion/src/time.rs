@@ -94,7 +94,8 @@ pub fn trim(clip: &Clip, range: Range<usize>) -> Result<Clip, MotionError> {
     if frames.is_empty() {
         return Err(MotionError::EmptyRange { start: range.start, end: range.end, frames: clip.frames() });
     }
-    pick(clip, &frames, clip.frame_rate())
+    // All of it is the same to the bit. Made anew, rotations would be brought to length 1 again, and what follows by little else.
+    if frames.len() == clip.frames() { Ok(clip.clone()) } else { pick(clip, &frames, clip.frame_rate()) }
 }
 
 fn pick(clip: &Clip, frames: &[usize], frame_rate: f64) -> Result<Clip, MotionError> {
@@ -135,6 +136,19 @@ mod tests {
         assert!((slow.frame_rate() - 30.00012).abs() < 1e-9);
         let exact = resample(&clip, 30.0).unwrap();
         assert_eq!((exact.frame_rate(), exact.frames(), resampled_frames(&clip, 30.0)), (30.0, 2, 2));
+    }
+
+    #[test]
+    fn trimmed_to_all_of_it_a_clip_is_the_same_to_the_bit() {
+        let mut clip = turning(200, 30.0);
+        let turned = |f: usize| Quat::from_euler(glam::EulerRot::ZXY, 0.3 * f as f32, 0.07 * f as f32, 1.1);
+        let rotations = (0..200).map(turned).collect();
+        clip = Clip::new(clip.skeleton().clone(), 30.0, rotations, clip.translations().to_vec()).unwrap();
+        let all: Vec<usize> = (0..200).collect();
+        assert_ne!(pick(&clip, &all, 30.0).unwrap(), clip, "or this shows nothing");
+        assert_eq!(trim(&clip, 0..200).unwrap(), clip);
+        assert_eq!(trim(&clip, 0..usize::MAX).unwrap(), clip);
+        assert_eq!(trim(&clip, 3..200).unwrap().frames(), 197);
     }
 
     #[test]
