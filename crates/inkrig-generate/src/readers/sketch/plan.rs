@@ -28,20 +28,19 @@ pub fn plan() -> (Plan, Outputs) {
     let down = |plan: &mut Plan, name: &str, from, channels| {
         plan.patch(name, from, [2, 2], [2, 2], [0, 0], channels)
     };
-    let mut b = down(&mut plan, "down.0", a, 64);
-    for at in 0..2 {
-        b = plan.block(&format!("middle.{at}"), b, 5, 128);
-    }
-    let mut c = down(&mut plan, "down.1", b, 96);
-    for at in 0..3 {
-        c = plan.block(&format!("coarse.{at}"), c, 7, 288);
-    }
-    let d = down(&mut plan, "down.2", c, 160);
-    let d = plan.block("whole.0", d, 5, 480);
+    let blocks = |plan: &mut Plan, name: &str, from, kernel, hidden, which: std::ops::Range<usize>| {
+        which.fold(from, |from, at| plan.block(&format!("{name}.{at}"), from, kernel, hidden))
+    };
+    let b = down(&mut plan, "down.0", a, 96);
+    let b = blocks(&mut plan, "middle", b, 5, 192, 0..2);
+    let c = down(&mut plan, "down.1", b, 128);
+    let c = blocks(&mut plan, "coarse", c, 7, 384, 0..3);
+    let d = down(&mut plan, "down.2", c, 192);
+    let d = blocks(&mut plan, "whole", d, 5, 576, 0..1);
     let up = plan.join("up.0", d, c);
-    let up = plan.block("coarse.3", up, 7, 288);
+    let up = blocks(&mut plan, "coarse", up, 7, 384, 3..5);
     let up = plan.join("up.1", up, b);
-    let up = plan.block("middle.2", up, 5, 128);
+    let up = blocks(&mut plan, "middle", up, 7, 192, 2..5);
     let exact = plan.patch("exact.stem", 0, [8, 8], [4, 4], [2, 2], 64);
     let exact = plan.block("exact.0", exact, 5, 128);
     let up = plan.join("exact.up", up, exact);
