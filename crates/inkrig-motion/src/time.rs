@@ -85,7 +85,7 @@ pub fn sample_at(clip: &Clip, places: &[f64], frame_rate: f64) -> Result<Clip, M
     Clip::new(clip.skeleton().clone(), frame_rate, rotations, translations)
 }
 
-/// A part of the clip: `range` in frames, its end cut to the clip's.
+/// A part of the clip: `range` in frames, its end cut to the clip's. All of it comes back the same to the bit.
 ///
 /// # Errors
 /// When nothing of the clip lies in the range.

@@ -26,7 +26,7 @@ struct HalfLinear {
     transposed: HalfPacked,
 }
 
-/// Products of fewer rows gain nothing from tiles.
+/// Products of fewer rows gain nothing from half the precision.
 const LEAST_ROWS: usize = 32;
 
 thread_local! {
@@ -79,7 +79,7 @@ impl Linear {
     }
 
     /// A layer whose gradients lie one behind the other, as its weights do: outputs x inputs, then the biases. With `half`, products are
-    /// of half the precision where the processor has tiles for it.
+    /// of half the precision where the processor is faster at them.
     pub(crate) fn beside(weight: &[f32], bias: &[f32], with_half: bool) -> Self {
         let inputs = weight.len() / bias.len().max(1);
         let half = (with_half && available()).then(|| Box::new(HalfLinear::of(weight, bias.len(), inputs)));
@@ -145,7 +145,7 @@ impl Linear {
     }
 }
 
-/// Made where the weights ask for it and the processor has tiles.
+/// Made where the weights ask for it and the processor is faster at it.
 fn half(weights: &Tensors, weight: &[f32], outputs: usize, inputs: usize) -> Option<Box<HalfLinear>> {
     weights.in_half_precision().then(|| Box::new(HalfLinear::of(weight, outputs, inputs)))
 }

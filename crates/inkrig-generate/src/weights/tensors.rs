@@ -90,8 +90,8 @@ impl Tensors {
         self.by_name.iter().map(|(name, tensor)| (name.as_str(), tensor))
     }
 
-    /// Networks made of these multiply with factors of bfloat16, sums in f32, where the processor has tiles for that (AMX): for
-    /// training, which takes that well and takes long.
+    /// Networks made of these multiply with factors of bfloat16, sums in f32, where the processor is faster at them: for training,
+    /// which takes that well and takes long.
     pub fn prefer_half_precision(&mut self) {
         self.half = crate::numeric::half::available();
     }

@@ -3,7 +3,7 @@
 use super::{Chance, Proportions};
 use inkrig_generate::schedule::Noise;
 
-/// Kinds of drawings. [`Family::Naive`] is never learned from: with another pen, other proportions and another hand it stands for
+/// Kinds of drawings. [`Family::Naive`] is never learned from: with its pen, its proportions and its hand together it stands for
 /// drawings of people whom the reader has not met.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Family {
@@ -306,7 +306,7 @@ impl Style {
     }
 }
 
-/// Beyond what the other families do: large heads, short limbs, a felt pen that shakes.
+/// Large heads, short limbs and a felt pen that shakes, all at once; one by one they come in [`Style::varied`], too.
 fn naive(style: &mut Style, noise: &mut Noise) {
     let old = style.proportions;
     style.proportions = Proportions {

@@ -59,7 +59,7 @@ pub struct SketchSettings {
     pub bent: f64,
     /// Share of figures that are seen from any side, not from the front half.
     pub turned: f64,
-    /// Share of figures of stranger proportions and habits than those that are measured on.
+    /// Share of figures of stranger proportions and habits than those of learned styles that are measured on.
     pub varied: f64,
     /// Weights to begin with, as far as their tensors fit; all others begin at random.
     pub from: Option<PathBuf>,

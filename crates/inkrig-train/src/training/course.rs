@@ -40,7 +40,7 @@ pub struct Course {
     pub clip: f64,
     /// What is measured and written is a mean of the weights along the way, of which a step keeps this share; 0: the weights themselves.
     pub average: f64,
-    /// Whether factors are multiplied in half precision where the processor has tiles for it; sums and weights are single.
+    /// Whether factors are multiplied in half precision where the processor is faster at it; sums and weights are single.
     pub half_precision: bool,
     /// Steps from one measurement to the next.
     pub measure_every: u64,

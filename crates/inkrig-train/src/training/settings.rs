@@ -53,7 +53,7 @@ pub struct VaeSettings {
     pub longest: usize,
     /// 0: every second of motion as often; 1: every action.
     pub balance: f64,
-    /// Whether factors are multiplied in half precision where the processor has tiles for it; sums and weights are single.
+    /// Whether factors are multiplied in half precision where the processor is faster at it; sums and weights are single.
     pub half_precision: bool,
     /// Steps from one measurement to the next.
     pub measure_every: u64,

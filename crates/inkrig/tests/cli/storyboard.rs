@@ -390,7 +390,7 @@ fn elements(mut bytes: &[u8]) -> Vec<(u32, &[u8])> {
 
 /// From the drawing to somebody else's character, where that is there: limbs, trunk, knees and elbows, feet, ground.
 #[test]
-fn a_drawn_walk_and_wave_is_certified_on_a_character() {
+fn drawn_boards_are_certified_on_a_character() {
     let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
     let shared = std::env::var_os("INKRIG_REFERENCE").map_or_else(|| beside.into(), std::path::PathBuf::from);
     let character = shared.join("data/creatures/human-model.glb");
@@ -400,7 +400,7 @@ fn a_drawn_walk_and_wave_is_certified_on_a_character() {
         return;
     }
     let (_keep, folder) = desk();
-    for name in ["walk-and-wave", "jump"] {
+    for name in ["turn-and-run", "jump"] {
         let file = format!("{name}.json");
         std::fs::write(folder.join(&file), inkrig::samples::find(&file).unwrap().bytes).unwrap();
         let character = character.to_string_lossy();

@@ -1,5 +1,5 @@
 //! Products by the instruction that multiplies pairs of bfloat16 and adds both to a sum (AVX512-BF16: EPYCs and Ryzens since 2022, Xeons
-//! since 2020): twice as fast as single precision. Where there are tiles, too, numbers are at least rounded here.
+//! since 2023): twice as fast as single precision. Where there are tiles, too, numbers are at least rounded here.
 //!
 //! Unsafe, because intrinsics of a processor's feature are, and so are reads and writes without a check of bounds. What is touched lies within
 //! what the assertions at the head of each say; the test compares each shape with the plain product.
@@ -34,14 +34,15 @@ pub(super) fn block(
     let Place { columns, column, width, bias, .. } = *place;
     let rows = (out.len() / columns).min(BLOCK);
     assert!(
-        tiles.len() == SIDE * deep
+        available()
+            && tiles.len() == SIDE * deep
             && deep.is_multiple_of(2 * SIDE)
             && pairs.len() > (BLOCK - 1) * strides.row + (deep / 2).saturating_sub(1) * strides.pair
             && width <= BLOCK
             && column + width <= columns
             && bias.is_none_or(|bias| bias.len() == width)
     );
-    // SAFETY: the processor has the features, or this would not be called; the assertion says that the factors hold all that is read, and
+    // SAFETY: the processor has the features; the assertion says that the factors hold all that is read, and
     // the table all that is written: `rows` lines of `columns`, in each `width` numbers from `column` on.
     unsafe { sums(pairs, strides, tiles, deep, (out, rows), place) }
 }

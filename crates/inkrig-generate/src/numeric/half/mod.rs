@@ -6,11 +6,13 @@
 
 #[cfg(target_arch = "x86_64")]
 mod dots;
+mod round;
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 mod tiles;
 
 use super::fit;
 use pulp::Arch;
+use round::{pair_of, round_pairs, round_rows};
 use std::array;
 use std::sync::OnceLock;
 
@@ -182,6 +184,8 @@ pub(crate) fn multiply_half(
     add: bool,
     work: &mut HalfWork,
 ) {
+    debug_assert_eq!(out.len() / packed.columns.max(1), x.len() / packed.depth.max(1));
+    debug_assert!(!add || bias.is_none());
     let strides = work.fill(x, packed.depth.max(1));
     product(packed, bias, out, add, work, strides);
 }
@@ -295,46 +299,6 @@ fn write(
 /// A row of a table, empty behind its end.
 fn row_of(table: &[f32], row: usize, columns: usize) -> &[f32] {
     table.get(row * columns..(row + 1) * columns).unwrap_or_default()
-}
-
-/// Rows of `depth` numbers as pairs, `line` of them a row, zeros behind what there is.
-fn round_rows(x: &[f32], depth: usize, line: usize, to: &mut [u32]) {
-    #[cfg(target_arch = "x86_64")]
-    if dots::available() {
-        return dots::round_rows(x, depth, line, to);
-    }
-    for (row, pairs) in x.chunks_exact(depth).zip(to.chunks_exact_mut(line)) {
-        for (at, pair) in pairs.iter_mut().enumerate() {
-            let [first, second] = [2 * at, 2 * at + 1].map(|at| row.get(at).copied().unwrap_or(0.0));
-            *pair = pair_of(first, second);
-        }
-    }
-}
-
-/// Two rows as `sides` times 16 pairs, one number of each, zeros behind their ends; `place` says where those of a side go.
-fn round_pairs(rows: [&[f32]; 2], sides: usize, to: &mut [u32], place: impl Fn(usize) -> usize) {
-    #[cfg(target_arch = "x86_64")]
-    if dots::available() {
-        return dots::round_pairs(rows, sides, to, place);
-    }
-    for side in 0..sides {
-        for (at, pair) in to[place(side)..][..SIDE].iter_mut().enumerate() {
-            let [upper, lower] = rows.map(|row| row.get(side * SIDE + at).copied().unwrap_or(0.0));
-            *pair = pair_of(upper, lower);
-        }
-    }
-}
-
-#[inline(always)]
-fn pair_of(first: f32, second: f32) -> u32 {
-    bits(first) >> 16 | bits(second) & 0xffff_0000
-}
-
-/// The nearest number of bfloat16, the even one of two, as the upper half of these bits.
-#[inline(always)]
-fn bits(value: f32) -> u32 {
-    let bits = value.to_bits();
-    bits.wrapping_add(0x7fff + (bits >> 16 & 1))
 }
 
 #[cfg(test)]

@@ -3,7 +3,11 @@ use crate::schedule::Noise;
 
 /// Every kind of layer, with channels that fill no vector.
 fn plan() -> (Plan, [Value; 2]) {
-    let mut plan = Plan::new(Shape { height: 16, width: 24, channels: 1 });
+    plan_of(16, 24)
+}
+
+fn plan_of(height: usize, width: usize) -> (Plan, [Value; 2]) {
+    let mut plan = Plan::new(Shape { height, width, channels: 1 });
     let stem = plan.patch("stem", 0, [4, 6], [2, 4], [1, 1], 5);
     let a = plan.block("a", stem, 3, 7);
     let low = plan.patch("down", a, [2, 2], [2, 2], [0, 0], 34);
@@ -17,10 +21,19 @@ fn plan() -> (Plan, [Value; 2]) {
 
 #[test]
 fn gradients_are_differences() {
-    let (plan, [last, mean]) = plan();
+    let (plan, values) = plan();
     assert_eq!(plan.shape(1), Shape { height: 8, width: 6, channels: 5 });
+    check_gradients(&plan, values, 7);
+    // More places than a block takes at once, and some that are left over.
+    let (plan, values) = plan_of(32, 96);
+    let places = plan.shape(1).places();
+    assert!(places > 2 * forward::PLACES && !places.is_multiple_of(forward::PLACES));
+    check_gradients(&plan, values, 31);
+}
+
+fn check_gradients(plan: &Plan, [last, mean]: [Value; 2], every: usize) {
     let row: Vec<f32> = plan.random(3).iter().map(|number| number + 0.05).collect();
-    let picture = Noise::new(1).normals(16 * 24);
+    let picture = Noise::new(1).normals(plan.shape(0).numbers());
     let ways = [Noise::new(2).normals(plan.shape(last).numbers()), Noise::new(4).normals(34)];
     let loss = |row: &[f32]| -> f64 {
         let network = Network::new(plan.clone(), row).unwrap();
@@ -36,7 +49,7 @@ fn gradients_are_differences() {
     network.forward(&picture, &mut work);
     network.backward(&mut work, &[(last, &ways[0]), (mean, &ways[1])], &mut gradient);
     let largest = gradient.iter().fold(0.0_f32, |most, part| most.max(part.abs()));
-    for at in (0..row.len()).step_by(7) {
+    for at in (0..row.len()).step_by(every) {
         let nudged = |by: f32| {
             let mut row = row.clone();
             row[at] += by;

@@ -42,7 +42,7 @@ impl Network {
         Ok(Self { plan, layers, half: false })
     }
 
-    /// The same for teaching: where the processor has tiles for it, products are rounded to bfloat16.
+    /// The same for teaching: where the processor is faster at it, products are rounded to bfloat16.
     ///
     /// # Errors
     /// As for [`Network::new`].
