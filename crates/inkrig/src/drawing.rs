@@ -65,6 +65,9 @@ fn on_paper(pixmap: &Pixmap) -> impl Iterator<Item = [f32; 3]> + '_ {
 fn pixmap(path: &Path) -> Result<Pixmap, CliError> {
     let bytes = load::drawing(path)?;
     let wrong = |what: String| CliError::Picture { path: path.to_path_buf(), what };
+    if !bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
+        return Err(wrong("is no PNG: it does not begin like one".into()));
+    }
     // The size stands at a fixed place; it is looked at before room is made.
     let number = |at: usize| -> u64 {
         let bytes = bytes.get(at..at + 4).and_then(|bytes| bytes.first_chunk::<4>().copied());

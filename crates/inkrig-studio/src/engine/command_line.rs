@@ -3,6 +3,8 @@
 use crate::StudioError;
 use crate::document::{Control, CurveTiming, Document, GroundPath, KeyKind, Place, Preset, RootMode};
 use crate::engine::SourceMap;
+use crate::engine::prepare::curve;
+use inkrig_sketch::to_csv;
 use std::fmt::Write as _;
 
 /// The line, and files of the project's folder that it names.
@@ -36,18 +38,8 @@ pub(crate) fn command_line(
     };
     match document.control.as_ref().ok_or(StudioError::NoControl)? {
         Control::Curve { strokes, timing, smooth } => {
-            let timed =
-                *timing == CurveTiming::Pen && strokes.iter().flatten().all(|point| point.2.is_some());
-            let rows: String = strokes
-                .iter()
-                .flatten()
-                .map(|point| match point.2 {
-                    Some(t) if timed => format!("{},{},{t}\n", point.0, point.1),
-                    _ => format!("{},{}\n", point.0, point.1),
-                })
-                .collect();
-            let head = if timed { "x,y,t\n" } else { "x,y\n" };
-            files.push(("drawing.csv".to_string(), format!("{head}{rows}")));
+            // Pen time tells the length, too, where it does not tell the speed.
+            files.push(("drawing.csv".to_string(), to_csv(&curve(strokes)?)));
             add("--curve drawing.csv".into());
             if *timing == CurveTiming::Even {
                 add("--uniform".into());

@@ -231,7 +231,7 @@ fn control(
 }
 
 /// The curve of pen points; times and pressures count where all points have them.
-fn curve(strokes: &[Vec<document::PenPoint>]) -> Result<Curve, StudioError> {
+pub(super) fn curve(strokes: &[Vec<document::PenPoint>]) -> Result<Curve, StudioError> {
     let curve = Curve::from_strokes(
         strokes.iter().map(|stroke| stroke.iter().map(|point| [point.0, point.1]).collect()),
     )?;

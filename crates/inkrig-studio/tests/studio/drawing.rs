@@ -2,6 +2,7 @@
 
 use crate::client::{Poses, Studio, spiral};
 use inkrig_formats::{ImportOptions, no_files, read_bvh, read_gltf};
+use inkrig_sketch::{Format, frame_count, read_curve};
 use serde_json::json;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::time::{Duration, Instant};
@@ -96,6 +97,31 @@ fn a_stroke_moves_a_character_while_the_pen_is_down() {
     assert!((clip.duration() - again["seconds"].as_f64().unwrap()).abs() < 0.2);
     let line = studio.get("/api/command-line").good();
     assert!(line["text"].as_str().unwrap().starts_with("inkrig align clips/c"), "{line}");
+}
+
+#[test]
+fn what_stands_beside_the_command_line_is_what_is_followed() {
+    let studio = Studio::open();
+    studio.post("/api/samples/snake", &json!({})).good();
+    let points = spiral(4.0);
+    let (first, second) = points.split_at(120);
+    // The pen was up for a while, and its clock went back.
+    let second: Vec<[f64; 4]> = second.iter().map(|[x, y, t, p]| [*x, *y, t - 1.5, *p]).collect();
+    for timing in ["pen", "even"] {
+        let control = json!({"kind": "curve", "strokes": [first, second], "timing": timing});
+        let commands = json!({"label": "Draw", "commands": [{"type": "setControl", "control": control}]});
+        studio.post("/api/project/commands", &commands).good();
+        let result = settled(&studio);
+        let line = studio.get("/api/command-line").good();
+        assert_eq!(line["text"].as_str().unwrap().contains("--uniform"), timing == "even");
+        assert_eq!(line["files"][0]["name"], "drawing.csv");
+        let text = line["files"][0]["text"].as_str().unwrap();
+        let curve = read_curve(text.as_bytes(), Format::Csv).unwrap();
+        let rate = result["used"]["rate"].as_f64().unwrap();
+        let frames = frame_count(&curve, rate).unwrap();
+        assert_eq!(result["report"]["control_frames"].as_u64().unwrap() as usize, frames, "{timing}");
+        assert!((curve.duration().unwrap() - 4.0).abs() < 0.1, "{:?}", curve.duration());
+    }
 }
 
 #[test]
@@ -213,7 +239,11 @@ fn what_was_redrawn_is_replaced_and_a_lost_page_loses_no_ink() {
     };
     let points = state["document"]["control"]["strokes"][0].as_array().unwrap();
     assert!(points.len().abs_diff(240) < 20, "{}", points.len());
-    assert!(!studio.folder.path().join("stroke.jsonl").exists());
+    // The project is on the disk, and seen, before the stroke's own file goes.
+    while studio.folder.path().join("stroke.jsonl").exists() {
+        assert!(begin.elapsed() < Duration::from_secs(30), "the stroke's file stays");
+        std::thread::sleep(Duration::from_millis(20));
+    }
 }
 
 #[test]

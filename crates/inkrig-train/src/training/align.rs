@@ -7,7 +7,7 @@ use super::course::{Course, Settings, broken, is_share, read_settings};
 use super::denoiser::{timesteps, works};
 use super::estimate::{EstimateSettings, EstimateStage, Told};
 use super::latents::{Cut, Latents, Window, windows};
-use super::motions::{self, Motion};
+use super::motions::{self, Motion, Selection};
 use super::picture::Drawing;
 use super::run::{OnStep, Place, Report, run};
 use super::stage::{Stage, Weights, network};
@@ -160,12 +160,14 @@ pub fn train_align(
     let cut = Cut { frames, stride, other_lengths: 0.0, shortest: frames, longest: frames };
     let cut = cut.checked(&base.header.sizes)?;
     let manifest = Manifest::read(place.corpus)?;
-    let read = |split, mirrored| motions::read(&manifest, split, &base.features, mirrored, settings.balance);
-    let motions = read(Split::Train, true)?;
+    let read = |split, selection| motions::read(&manifest, split, &base.features, selection);
+    let motions =
+        read(Split::Train, Selection { balance: settings.balance, mirrored: true, ..Selection::PLAIN })?;
     let windows = windows(&motions, cut, settings.course.seed);
     let view = View::Plane(Camera::default());
     let latents = Latents::encode(&base.vae, &motions, &windows, place.replicas.max(1))?;
-    let held_out = HeldOut::new(&read(Split::Val, false)?, frames, settings.measured, &base, view)?;
+    let held_out =
+        HeldOut::new(&read(Split::Val, Selection::PLAIN)?, frames, settings.measured, &base, view)?;
     if base.header.sizes.estimate > 0 {
         let (told, usual, base) = (Told::Plane(settings), ControlSettings::default(), &base);
         let schedule = NoiseSchedule::default();

@@ -6,7 +6,7 @@ use super::course::{Course, Settings, broken, is_share, read_settings};
 use super::denoiser::{timesteps, works};
 use super::estimate::{EstimateSettings, EstimateStage, Told};
 use super::latents::{Cut, Latents, Window, windows};
-use super::motions::{self, Motion};
+use super::motions::{self, Motion, Selection};
 use super::run::{OnStep, Place, Report, run};
 use super::stage::{Stage, Weights, network};
 use super::weights_file::{merged, named, read_weights, write_weights};
@@ -49,6 +49,10 @@ pub struct ControlSettings {
     pub longest: usize,
     /// 0: every second of motion as often; 1: every action.
     pub balance: f64,
+    /// Whether mirror images are learned from, too.
+    pub mirrored: bool,
+    /// Share of clips of which a copy is learned from that is faster or slower, up to 1.3 times.
+    pub retimed: f64,
     /// Joints that trajectories are drawn for, 0 to 21.
     pub joints: Vec<usize>,
     /// Share of samples that lose their text.
@@ -100,6 +104,8 @@ impl Default for ControlSettings {
             shortest: 20,
             longest: 120,
             balance: 0.5,
+            mirrored: true,
+            retimed: 0.0,
             joints: JOINTS_DRAWN.to_vec(),
             text_dropped: 0.1,
             trajectory_dropped: 0.15,
@@ -130,6 +136,7 @@ impl Settings for ControlSettings {
             ("other_lengths", is_share(self.other_lengths), "0 to 1".into()),
             ("shortest", (2..=self.longest).contains(&self.shortest), "2 to longest".into()),
             ("balance", is_share(self.balance), "0 to 1".into()),
+            ("retimed", is_share(self.retimed), "0 to 1".into()),
             (
                 "joints",
                 !self.joints.is_empty() && self.joints.iter().all(|&joint| joint < 22),
@@ -158,6 +165,12 @@ impl ControlSettings {
     /// When it cannot be read, or a value is out of its range.
     pub fn read(path: &Path) -> Result<Self, TrainError> {
         read_settings(path)
+    }
+
+    /// What is taken of the split that is learned from.
+    fn selection(&self) -> Selection {
+        let Self { balance, mirrored, retimed, .. } = *self;
+        Selection { balance, mirrored, retimed, seed: self.course.seed }
     }
 
     fn cut(&self, sizes: &Sizes) -> Result<Cut, TrainError> {
@@ -193,10 +206,10 @@ pub fn train_control(
     }
     let cut = settings.cut(&base.header.sizes)?;
     let manifest = Manifest::read(place.corpus)?;
-    let read = |split, mirrored| motions::read(&manifest, split, &base.features, mirrored, settings.balance);
-    let motions = read(Split::Train, true)?;
+    let read = |split, selection| motions::read(&manifest, split, &base.features, selection);
+    let motions = read(Split::Train, settings.selection())?;
     let windows_of_train = windows(&motions, cut, settings.course.seed);
-    let (held_out, view) = (read(Split::Val, false)?, View::Space);
+    let (held_out, view) = (read(Split::Val, Selection::PLAIN)?, View::Space);
     let held_out = HeldOut::new(&held_out, settings.frames, settings.measured, &base, view)?;
     let latents = Latents::encode(&base.vae, &motions, &windows_of_train, place.replicas.max(1))?;
     if base.header.sizes.estimate > 0 {

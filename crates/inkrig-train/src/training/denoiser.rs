@@ -2,7 +2,7 @@
 
 use super::course::{Course, Optimiser, Settings, broken, is_share, read_settings};
 use super::latents::{Cut, Drawing, Latents, windows};
-use super::motions;
+use super::motions::{self, Selection};
 use super::run::{OnStep, Place, Report, run};
 use super::stage::{Stage, Weights, network, seed_of};
 use super::weights_file::{merged, named, read_weights, write_weights};
@@ -48,6 +48,10 @@ pub struct DenoiserSettings {
     pub longest: usize,
     /// 0: every second of motion as often; 1: every action.
     pub balance: f64,
+    /// Whether mirror images are learned from, too.
+    pub mirrored: bool,
+    /// Share of clips of which a copy is learned from that is faster or slower, up to 1.3 times.
+    pub retimed: f64,
     /// Share of samples that are mixed of two windows of a verb.
     pub mixed: f64,
 }
@@ -78,7 +82,9 @@ impl Default for DenoiserSettings {
             shortest: 20,
             longest: 120,
             balance: 0.5,
-            mixed: 0.0,
+            mirrored: true,
+            retimed: 1.0,
+            mixed: 0.25,
         }
     }
 }
@@ -99,6 +105,7 @@ impl Settings for DenoiserSettings {
             ("other_lengths", is_share(self.other_lengths), "0 to 1".into()),
             ("shortest", (2..=self.longest).contains(&self.shortest), "2 to longest".into()),
             ("balance", is_share(self.balance), "0 to 1".into()),
+            ("retimed", is_share(self.retimed), "0 to 1".into()),
             ("mixed", is_share(self.mixed), "0 to 1".into()),
         ])
     }
@@ -111,6 +118,12 @@ impl DenoiserSettings {
     /// When it cannot be read, or a value is out of its range.
     pub fn read(path: &Path) -> Result<Self, TrainError> {
         read_settings(path)
+    }
+
+    /// What is taken of the split that is learned from.
+    fn selection(&self) -> Selection {
+        let Self { balance, mirrored, retimed, .. } = *self;
+        Selection { balance, mirrored, retimed, seed: self.course.seed }
     }
 
     fn cut(&self, sizes: &Sizes) -> Result<Cut, TrainError> {
@@ -145,14 +158,14 @@ pub fn train_denoiser(
     let network_of_vae = Vae::new(&sizes, &base).map_err(|error| content(error.to_string()))?;
     let manifest = Manifest::read(place.corpus)?;
     let cut = settings.cut(&sizes)?;
-    let latents = |split, mirrored, cut| {
-        let motions = motions::read(&manifest, split, &statistics, mirrored, settings.balance)?;
+    let latents = |split, selection, cut| {
+        let motions = motions::read(&manifest, split, &statistics, selection)?;
         let windows = windows(&motions, cut, settings.course.seed);
         Latents::encode(&network_of_vae, &motions, &windows, place.replicas.max(1))
     };
     let stage = DenoiserStage {
-        train: latents(Split::Train, true, cut)?,
-        held_out: latents(Split::Val, false, Cut { other_lengths: 0.0, ..cut })?,
+        train: latents(Split::Train, settings.selection(), cut)?,
+        held_out: latents(Split::Val, Selection::PLAIN, Cut { other_lengths: 0.0, ..cut })?,
         schedule: NoiseSchedule::default(),
         base: named(&base, "vae."),
         settings,
@@ -326,10 +339,10 @@ mod tests {
     #[test]
     fn settings_and_their_course_stand_in_one_flat_file() {
         let settings: DenoiserSettings =
-            parse_settings("batch = 32\nmixed = 0.25\nbetas = [0.5, 0.6]").unwrap();
+            parse_settings("batch = 32\nmixed = 0.5\nbetas = [0.5, 0.6]").unwrap();
         let usual = DenoiserSettings::default();
         let course = Course { batch: 32, betas: (0.5, 0.6), ..usual.course.clone() };
-        assert_eq!(settings, DenoiserSettings { course, mixed: 0.25, ..usual });
+        assert_eq!(settings, DenoiserSettings { course, mixed: 0.5, ..usual });
         for (text, part) in [
             ("stesp = 3", "stesp"),
             ("rate = 2.0", "rate is out of range"),

@@ -4,7 +4,7 @@ use super::control::Base;
 use super::course::{Course, Settings, broken, is_share, read_settings};
 use super::denoiser::works;
 use super::latents::{Cut, Latents, windows};
-use super::motions;
+use super::motions::{self, Selection};
 use super::run::{OnStep, Place, Report, run};
 use super::stage::{Stage, Weights, network};
 use super::weights_file::{merged, named, read_weights, write_weights};
@@ -133,13 +133,16 @@ pub fn train_distill(
     };
     let cut = cut.checked(&sizes)?;
     let manifest = Manifest::read(place.corpus)?;
-    let latents = |split, mirrored| {
-        let motions = motions::read(&manifest, split, &base.features, mirrored, settings.balance)?;
+    let latents = |split, selection| {
+        let motions = motions::read(&manifest, split, &base.features, selection)?;
         let windows = windows(&motions, cut, settings.course.seed);
         Latents::encode(&base.vae, &motions, &windows, place.replicas.max(1))
     };
     let mut stage = DistillStage {
-        train: latents(Split::Train, true)?,
+        train: latents(
+            Split::Train,
+            Selection { balance: settings.balance, mirrored: true, ..Selection::PLAIN },
+        )?,
         header: ModelHeader { sizes: sizes.clone(), ..base.header.clone() },
         no_text: base.verbs.encode("").map_err(network)?,
         held_out: HeldOut::default(),
@@ -148,7 +151,7 @@ pub fn train_distill(
         sizes,
         base: &base,
     };
-    stage.held_out = stage.teacher(&latents(Split::Val, false)?).map_err(network)?;
+    stage.held_out = stage.teacher(&latents(Split::Val, Selection::PLAIN)?).map_err(network)?;
     let first = match place.from {
         Some(path) => named(&read_weights(path)?.1, "denoiser.denoiser."),
         None => stage.beginning()?,

@@ -1,7 +1,7 @@
 //! Which motions of a corpus a model is given to begin with.
 
 use super::latents::{Cut, Latents, windows};
-use super::motions;
+use super::motions::{self, Selection};
 use super::stage::network;
 use crate::TrainError;
 use crate::corpus::{Manifest, Split};
@@ -37,7 +37,8 @@ pub fn examples(corpus: &Path, header: &ModelHeader, weights: &Tensors) -> Resul
     let verbs = VerbTable::new(weights, header.sizes.text_width).map_err(of)?;
     let (features, _) = header.statistics().map_err(|error| TrainError::Device(error.to_string()))?;
     let manifest = Manifest::read(corpus)?;
-    let motions = motions::read(&manifest, Split::Train, &features, true, 0.0)?;
+    let motions =
+        motions::read(&manifest, Split::Train, &features, Selection { mirrored: true, ..Selection::PLAIN })?;
     let cut = Cut { frames: FRAMES, stride: STRIDE, other_lengths: 0.0, shortest: FRAMES, longest: FRAMES };
     let windows = windows(&motions, cut.checked(&header.sizes)?, 0);
     let latents = Latents::encode(&vae, &motions, &windows, rayon::current_num_threads())?;

@@ -1,6 +1,7 @@
 //! What a run of training is told.
 
 use super::course::{Course, Optimiser, broken, is_share};
+use super::motions::Selection;
 use crate::TrainError;
 use crate::corpus::read_text;
 use inkrig_generate::networks::Sizes;
@@ -53,6 +54,10 @@ pub struct VaeSettings {
     pub longest: usize,
     /// 0: every second of motion as often; 1: every action.
     pub balance: f64,
+    /// Whether mirror images are learned from, too.
+    pub mirrored: bool,
+    /// Share of clips of which a copy is learned from that is faster or slower, up to 1.3 times.
+    pub retimed: f64,
     /// Whether factors are multiplied in half precision where the processor is faster at it; sums and weights are single.
     pub half_precision: bool,
     /// Steps from one measurement to the next.
@@ -89,6 +94,8 @@ impl Default for VaeSettings {
             shortest: 20,
             longest: 120,
             balance: 0.3,
+            mirrored: true,
+            retimed: 1.0,
             half_precision: true,
             measure_every: 250,
             save_every: 100,
@@ -133,6 +140,7 @@ impl VaeSettings {
             ("shortest", (2..=self.longest).contains(&self.shortest), "2 to longest".into()),
             ("longest", self.longest <= most, format!("at most {most}")),
             ("balance", is_share(self.balance), "0 to 1".into()),
+            ("retimed", is_share(self.retimed), "0 to 1".into()),
             ("path_noise", self.path_noise > 0.0 && self.path_noise <= 1.0, "above 0, at most 1".into()),
             (
                 "weight_decay",
@@ -141,6 +149,12 @@ impl VaeSettings {
             ),
         ])?;
         Ok(sizes)
+    }
+
+    /// What is taken of the split that is learned from.
+    pub(super) fn selection(&self) -> Selection {
+        let Self { balance, mirrored, retimed, seed, .. } = *self;
+        Selection { balance, mirrored, retimed, seed }
     }
 
     /// What all stages are told. The settings of this one are flat, as they stand in its checkpoints.

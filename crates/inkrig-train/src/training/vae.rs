@@ -3,6 +3,7 @@
 use super::checkpoint::CHECKPOINT;
 use super::course::Course;
 use super::linear_path::{PathOptions, linear_path};
+use super::motions::Selection;
 use super::reconstruction::{Reconstruction, reconstruction};
 use super::run::{OnStep, Place, Report, run};
 use super::settings::VaeSettings;
@@ -39,8 +40,8 @@ pub fn train_vae(
     let stored = CorpusStatistics::read(place.corpus)?;
     let statistics = stored.features().map_err(|error| TrainError::Device(error.to_string()))?;
     let stage = VaeStage {
-        train: Windows::read(&manifest, Split::Train, &statistics, true, settings.balance)?,
-        held_out: Windows::read(&manifest, Split::Val, &statistics, false, 0.0)?,
+        train: Windows::read(&manifest, Split::Train, &statistics, settings.selection())?,
+        held_out: Windows::read(&manifest, Split::Val, &statistics, Selection::PLAIN)?,
         header: header_of(&sizes, &stored),
         settings,
         sizes,

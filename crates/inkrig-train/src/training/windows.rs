@@ -1,6 +1,6 @@
 //! Pieces of the corpus, normalised, for training.
 
-use super::motions;
+use super::motions::{self, Selection};
 use crate::TrainError;
 use crate::corpus::{Manifest, Split};
 use inkrig_generate::schedule::Noise;
@@ -26,7 +26,7 @@ pub struct Batch {
 }
 
 impl Windows {
-    /// Reads a split. `balance` from 0 to 1: 0 takes every second of motion as often, 1 every action.
+    /// Reads a split.
     ///
     /// # Errors
     /// When a part cannot be read, or the split is empty.
@@ -34,10 +34,9 @@ impl Windows {
         manifest: &Manifest,
         split: Split,
         statistics: &Statistics,
-        mirrored: bool,
-        balance: f64,
+        selection: Selection,
     ) -> Result<Self, TrainError> {
-        let motions = motions::read(manifest, split, statistics, mirrored, balance)?;
+        let motions = motions::read(manifest, split, statistics, selection)?;
         let mut sum = 0.0;
         let weights = motions.iter().map(|motion| motion.frames() as f64 * motion.weight);
         let upto = weights.map(|weight| {

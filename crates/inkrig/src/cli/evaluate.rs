@@ -9,12 +9,14 @@ use std::path::PathBuf;
 
 pub(super) const EXAMPLES: &str = "\
 Examples:
-  inkrig evaluate reconstruction --model model.safetensors --corpus corpus
+  inkrig evaluate reconstruction --corpus corpus
       what the autoencoder loses of clips that it never saw, by subject
-  inkrig evaluate control --model model.safetensors --corpus corpus
+  inkrig evaluate control --corpus corpus
       how exactly key poses and trajectories are met, in space and as a camera sees them, with and without guidance
-  inkrig evaluate control --model model.safetensors --corpus corpus --windows 40 --json > control.json
-      the same of fewer clips, as JSON
+  inkrig evaluate control --corpus corpus --steps 2 --windows 40 --json > control.json
+      the same of the model for few steps and of fewer clips, as JSON
+  inkrig evaluate control --corpus corpus --model mine.safetensors
+      of a model of your own
   inkrig evaluate storyboard --corpus corpus
       rough drawings of held-out clips as storyboards: what comes of them, with --exact off, soft and pin
   inkrig evaluate blending --corpus corpus
@@ -123,12 +125,12 @@ pub struct EvaluateStoryboardArgs {
 /// The model, and the clips that it is measured on.
 #[derive(Debug, Args)]
 pub struct EvaluateOnArgs {
-    /// The model file
-    #[arg(long, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
-    pub model: PathBuf,
     /// The corpus, made by inkrig data build
     #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     pub corpus: PathBuf,
+    /// The model file [default: the one that INKRIG_MODEL names, else the one that comes with inkrig]
+    #[arg(long, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
+    pub model: Option<PathBuf>,
     /// Whose clips: those of test, or those that training looked at (val), or learned (train)
     #[arg(long, default_value = "test")]
     pub split: SplitArg,

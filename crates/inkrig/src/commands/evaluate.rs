@@ -4,23 +4,18 @@ mod blending;
 mod readers;
 mod storyboard;
 
-use super::generate::text;
+use super::generate::{Model, about, named_model, sampling};
 use crate::cli::{EvaluateArgs, EvaluateCommand, EvaluateOnArgs, JointsArg, StepsArg};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::inputs;
 use crate::printable::{self, fixed};
-use inkrig_generate::checkpoint::{CheckpointError, ModelFile, ModelHeader};
 use inkrig_generate::guidance::SettleOptions;
 use inkrig_generate::networks::{Domain, Vae};
-use inkrig_generate::sampling::{Networks, Sampler, SamplingOptions};
-use inkrig_generate::weights::Tensors;
-use inkrig_motion::humanml::Statistics;
+use inkrig_generate::sampling::{Sampler, SamplingOptions};
 use inkrig_train::corpus::Manifest;
 use inkrig_train::evaluation::{
     ControlOptions, ControlTable, EvaluationWindow, Protocol, bounds, control, reconstruction, windows,
 };
-use std::path::Path;
 
 pub(super) fn run(args: &EvaluateArgs, console: &Console) -> Result<(), CliError> {
     match &args.command {
@@ -29,9 +24,9 @@ pub(super) fn run(args: &EvaluateArgs, console: &Console) -> Result<(), CliError
         EvaluateCommand::Blending(args) => blending::run(args, console),
         EvaluateCommand::Storyboard(args) => storyboard::run(args, console),
         EvaluateCommand::Reconstruction { on } => {
-            let model = Opened::of(&on.model)?;
-            let vae =
-                Vae::new(&model.header.sizes, &model.weights).map_err(|cause| about(&on.model, cause))?;
+            let mut model = Model::asked(named_model(on.model.as_ref()).as_deref(), None)?;
+            let weights = model.tensors()?;
+            let vae = Vae::new(&model.header.sizes, &weights).map_err(|cause| about(&model.path, cause))?;
             let windows = held_out(on, &model, usize::MAX)?;
             let stage = console.stage(format!("{} clips", windows.len()));
             let rows = reconstruction(&vae, &model.features, &windows)?;
@@ -69,17 +64,16 @@ fn of_control(
     usual: &dyn Fn(SamplingOptions) -> SamplingOptions,
     console: &Console,
 ) -> Result<(), CliError> {
-    let model = Opened::of(&on.model)?;
-    let wrong = |cause| about(&on.model, cause);
-    let texts = text::encoder(&model.header, &model.weights, None, &on.model)?;
-    let networks = Networks::new(&model.header.sizes, &model.weights).map_err(wrong)?;
+    let mut model = Model::asked(named_model(on.model.as_ref()).as_deref(), steps)?;
+    let texts = model.read(None)?;
+    let networks = model.networks()?;
     if !networks.follows(Domain::Space) {
-        return Err(CliError::NoControl { path: on.model.clone() });
+        return Err(CliError::NoControl { path: model.path.clone() });
     }
     let windows = held_out(on, &model, 100)?;
-    let no_text = texts.encode("").map_err(wrong)?;
-    let sampler = Sampler { networks: &networks, features: &model.features, no_text: &no_text };
-    let sampling = usual(super::generate::sampling(&model.header, steps, &on.model)?);
+    let no_text = texts.encode("").map_err(|cause| about(&model.path, cause))?;
+    let sampler = Sampler { networks, features: &model.features, no_text: &no_text };
+    let sampling = usual(sampling(&model.header, steps, &model.path)?);
     let protocols: &[Protocol] = match joints {
         JointsArg::One => &[Protocol::Average],
         JointsArg::Several => &[Protocol::Cross],
@@ -130,34 +124,11 @@ fn of_control(
     console.result(&table)
 }
 
-/// A model file, read whole.
-struct Opened {
-    header: ModelHeader,
-    weights: Tensors,
-    features: Statistics,
-    places: Statistics,
-}
-
-impl Opened {
-    fn of(path: &Path) -> Result<Self, CliError> {
-        let wrong = |cause: CheckpointError| CliError::Model { path: path.into(), cause: Box::new(cause) };
-        let mut file = ModelFile::open(inputs::open_large(path)?).map_err(wrong)?;
-        let header = file.header().clone();
-        let (features, places) = header.statistics().map_err(wrong)?;
-        let weights = file.tensors().map_err(wrong)?;
-        Ok(Self { header, weights, features, places })
-    }
-}
-
-fn held_out(on: &EvaluateOnArgs, model: &Opened, usual: usize) -> Result<Vec<EvaluationWindow>, CliError> {
+fn held_out(on: &EvaluateOnArgs, model: &Model, usual: usize) -> Result<Vec<EvaluationWindow>, CliError> {
     let most = model.header.sizes.most_frames();
     if !(2..=most).contains(&on.frames) {
-        return Err(CliError::LengthOfModel { path: on.model.clone(), frames: on.frames, most });
+        return Err(CliError::LengthOfModel { path: model.path.clone(), frames: on.frames, most });
     }
     let manifest = Manifest::read(&on.corpus)?;
     Ok(windows(&manifest, on.split.into(), on.frames, on.windows.unwrap_or(usual))?)
-}
-
-fn about(path: &Path, cause: inkrig_generate::GenerateError) -> CliError {
-    CliError::Generate { path: path.into(), cause: Box::new(cause) }
 }

@@ -196,10 +196,7 @@ fn one(
 
 impl Loaded {
     fn open() -> Result<Self, CliError> {
-        let mut model = match named_model(None) {
-            Some(path) => Model::open(&path)?,
-            None => Model::shipped(None)?,
-        };
+        let mut model = Model::asked(named_model(None).as_deref(), None)?;
         let encoder = model.read(None)?;
         Ok(Self { model, encoder })
     }

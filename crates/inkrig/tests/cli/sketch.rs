@@ -48,10 +48,12 @@ fn what_cannot_be_read_is_said() {
     let line = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 9 9'><path stroke='black' d='M1 1 L8 8'/></svg>";
     std::fs::write(folder.join("line.svg"), line).unwrap();
     std::fs::write(folder.join("broken.png"), b"\x89PNG\r\n\x1a\n").unwrap();
+    std::fs::write(folder.join("noise.png"), [0xc5; 99]).unwrap();
     std::fs::write(folder.join("weights.safetensors"), b"none").unwrap();
     for (arguments, said) in [
         (&["sketch", "read", "line.svg", "--lines"][..], "shows no figure"),
         (&["sketch", "read", "broken.png", "--lines"], "no PNG"),
+        (&["sketch", "read", "noise.png", "--lines"], "does not begin like one"),
         (&["sketch", "read", "figure.bvh", "--lines"], "known drawings"),
         (&["sketch", "read", "line.svg", "--weights", "weights.safetensors"], "weights.safetensors"),
         (&["train", "word", "--fonts", ".", "-o", "run"], "no font of Latin letters"),

@@ -40,10 +40,7 @@ struct Row {
 
 pub(super) fn run(args: &EvaluateBlendingArgs, console: &Console) -> Result<(), CliError> {
     let stage = console.stage("reading the model and the corpus");
-    let mut model = match &named_model(args.model.as_ref()) {
-        Some(path) => Model::open(path)?,
-        None => Model::shipped(None)?,
-    };
+    let mut model = Model::asked(named_model(args.model.as_ref()).as_deref(), None)?;
     let encoder = model.read(None)?;
     let manifest = Manifest::read(&args.corpus)?;
     let windows = windows(&manifest, args.split.into(), FRAMES, 2 * usize::from(args.pairs))?;

@@ -38,10 +38,7 @@ struct Record {
 
 pub(super) fn run(args: &EvaluateStoryboardArgs, console: &Console) -> Result<(), CliError> {
     let stage = console.stage("reading the model and the corpus");
-    let mut model = match &named_model(args.model.as_ref()) {
-        Some(path) => Model::open(path)?,
-        None => Model::shipped(args.steps)?,
-    };
+    let mut model = Model::asked(named_model(args.model.as_ref()).as_deref(), args.steps)?;
     let encoder = model.read(None)?;
     let reader = readers::sketch(None)?;
     let manifest = Manifest::read(&args.corpus)?;

@@ -48,10 +48,7 @@ pub(super) fn run(args: &GenerateArgs, run: &Run<'_>, console: &Console) -> Resu
         return Err(CliError::NoEffect { flag: "--guidance", with: "no --trajectory3d" });
     }
     let stage = console.stage("reading the model");
-    let mut model = match &named {
-        Some(path) => Model::open(path)?,
-        None => Model::shipped(args.steps)?,
-    };
+    let mut model = Model::asked(named.as_deref(), args.steps)?;
     let frames = model.frames(args)?;
     let wanted = Wanted {
         trajectory: args.trajectory3d.as_deref().map(|path| trajectory(path, frames)).transpose()?,
@@ -206,16 +203,30 @@ impl Model {
         })
     }
 
+    /// The one that is asked for by name, see [`named_model`], or else the one inside the program.
+    pub(in crate::commands) fn asked(
+        named: Option<&Path>,
+        steps: Option<StepsArg>,
+    ) -> Result<Self, CliError> {
+        named.map_or_else(|| Self::shipped(steps), Self::open)
+    }
+
+    /// Reads the weights.
+    pub(in crate::commands) fn tensors(&mut self) -> Result<Tensors, CliError> {
+        let wrong = |cause| CliError::Model { path: self.path.clone(), cause: Box::new(cause) };
+        let mut weights = self.base.tensors().map_err(wrong)?;
+        if let Some(over) = &mut self.over {
+            weights.extend(over.tensors().map_err(wrong)?);
+        }
+        Ok(weights)
+    }
+
     /// Reads the weights, and whatever makes vectors of words.
     pub(in crate::commands) fn read(
         &mut self,
         text_model: Option<&Path>,
     ) -> Result<Box<dyn TextEncoder>, CliError> {
-        let wrong = |cause| CliError::Model { path: self.path.clone(), cause: Box::new(cause) };
-        let mut weights: Tensors = self.base.tensors().map_err(wrong)?;
-        if let Some(over) = &mut self.over {
-            weights.extend(over.tensors().map_err(wrong)?);
-        }
+        let weights = self.tensors()?;
         let encoder = text::encoder(&self.header, &weights, text_model, &self.path)?;
         let networks =
             Networks::new(&self.header.sizes, &weights).map_err(|cause| about(&self.path, cause))?;

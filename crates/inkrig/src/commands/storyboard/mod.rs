@@ -73,10 +73,7 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
         (1..=board.frames.len()).filter(|_| args.clips).map(|number| numbered(&args.out, number)).collect();
     clips.iter().try_for_each(|path| run.check(path))?;
     let stage = console.stage("reading the model");
-    let mut model = match &named {
-        Some(path) => Model::open(path)?,
-        None => Model::shipped(args.steps)?,
-    };
+    let mut model = Model::asked(named.as_deref(), args.steps)?;
     let encoder = model.read(args.text_model.as_deref())?;
     drop(stage);
     let stage = console.stage("reading the drawings");
