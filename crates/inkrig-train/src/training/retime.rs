@@ -25,14 +25,18 @@ pub(super) fn retimed(table: &Features, speed: f64) -> Result<Option<Features>, 
     features(&uniform(&moved, &bone_lengths(first))).map(Some)
 }
 
-/// The pose at a moment, frames from the first: Catmull-Rom curves through the joints' places. Bones become a little shorter.
+/// The pose at a moment, frames from the first: Catmull-Rom curves through the joints' places, which go on evenly beyond the ends. Bones
+/// become a little shorter.
 fn between(poses: &[Joints], moment: f64) -> Joints {
     let before = (moment as usize).min(poses.len().saturating_sub(2));
     let part = (moment - before as f64) as f32;
-    let at = |frame: usize| &poses[frame.min(poses.len() - 1)];
-    let (a, b) = (at(before.saturating_sub(1)), at(before));
-    let (c, d) = (at(before + 1), at(before + 2));
-    std::array::from_fn(|joint| curve([a[joint], b[joint], c[joint], d[joint]], part))
+    let pose = |frame: usize| poses.get(frame);
+    std::array::from_fn(|joint| {
+        let (from, to) = (poses[before][joint], poses[before + 1][joint]);
+        let earlier = before.checked_sub(1).and_then(pose).map_or(2.0 * from - to, |pose| pose[joint]);
+        let later = pose(before + 2).map_or(2.0 * to - from, |pose| pose[joint]);
+        curve([earlier, from, to, later], part)
+    })
 }
 
 fn curve([a, b, c, d]: [Vec3; 4], part: f32) -> Vec3 {
@@ -48,7 +52,7 @@ fn curve([a, b, c, d]: [Vec3; 4], part: f32) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use inkrig_motion::humanml::Blocks;
+    use inkrig_motion::humanml::{Blocks, ground};
 
     /// Somebody with arms down who walks on at a metre a second and lifts a hand ever faster.
     fn walk(frames: usize) -> Features {
@@ -60,7 +64,7 @@ mod tests {
                 Vec3::new(0.1 * side + 0.01 * joint as f32, high + lifted, time)
             })
         };
-        features(&(0..frames).map(pose).collect::<Vec<_>>()).unwrap()
+        features(&ground(&(0..frames).map(pose).collect::<Vec<_>>())).unwrap()
     }
 
     #[test]
