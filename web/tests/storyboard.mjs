@@ -11,7 +11,7 @@ import { pathToFileURL } from 'node:url';
 
 import typescript from 'typescript';
 
-import { counter, openPage, penStroke, picture, startBrowser, startStudio, until, violations } from './driver.mjs';
+import { openPage, penStroke, picture, startBrowser, startStudio, until, violations } from './driver.mjs';
 
 const [chromium, program, pictures] = process.argv.slice(2);
 if (!pictures) {
@@ -40,7 +40,6 @@ const browser = await startBrowser(chromium);
 let studio = await startStudio(program, project);
 // STUDIO_ONLY=regexp runs some steps.
 const wanted = new RegExp(process.env.STUDIO_ONLY ?? '');
-const counted = counter();
 let failures = 0;
 let seen = [];
 let pageOf = () => null;
@@ -588,7 +587,6 @@ async function clear(page) {
 
 async function step(name, work) {
   if (!wanted.test(name)) return;
-  counted();
   const begun = Date.now();
   try {
     await work();

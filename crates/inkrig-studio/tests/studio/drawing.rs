@@ -121,6 +121,8 @@ fn what_stands_beside_the_command_line_is_what_is_followed() {
         let frames = frame_count(&curve, rate).unwrap();
         assert_eq!(result["report"]["control_frames"].as_u64().unwrap() as usize, frames, "{timing}");
         assert!((curve.duration().unwrap() - 4.0).abs() < 0.1, "{:?}", curve.duration());
+        let drawn = points.iter().map(|[x, y, ..]| [*x, *y]);
+        assert!(drawn.eq(curve.points().iter().copied()));
     }
 }
 

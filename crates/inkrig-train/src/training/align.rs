@@ -161,8 +161,7 @@ pub fn train_align(
     let cut = cut.checked(&base.header.sizes)?;
     let manifest = Manifest::read(place.corpus)?;
     let read = |split, selection| motions::read(&manifest, split, &base.features, selection);
-    let motions =
-        read(Split::Train, Selection { balance: settings.balance, mirrored: true, ..Selection::PLAIN })?;
+    let motions = read(Split::Train, Selection::both_sides(settings.balance))?;
     let windows = windows(&motions, cut, settings.course.seed);
     let view = View::Plane(Camera::default());
     let latents = Latents::encode(&base.vae, &motions, &windows, place.replicas.max(1))?;

@@ -4,7 +4,7 @@ use super::course::{Course, Optimiser, Settings, broken, is_share, read_settings
 use super::latents::{Cut, Drawing, Latents, windows};
 use super::motions::{self, Selection};
 use super::run::{OnStep, Place, Report, run};
-use super::stage::{Stage, Weights, network, seed_of};
+use super::stage::{Stage, Weights, network, seed_of, told};
 use super::weights_file::{merged, named, read_weights, write_weights};
 use crate::TrainError;
 use crate::corpus::{Manifest, Split};
@@ -234,7 +234,8 @@ impl Stage for DenoiserStage<'_> {
     }
 
     fn is_same(&self, settings: &str) -> bool {
-        serde_json::from_str::<DenoiserSettings>(settings).is_ok_and(|settings| settings == *self.settings)
+        let told = told::<DenoiserSettings>(settings, &[], &[("retimed", 0.0)]);
+        told.is_some_and(|told| told == *self.settings)
     }
 
     fn replica(&self) -> Result<DenoiserLearner, TrainError> {

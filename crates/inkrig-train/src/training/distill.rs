@@ -139,10 +139,7 @@ pub fn train_distill(
         Latents::encode(&base.vae, &motions, &windows, place.replicas.max(1))
     };
     let mut stage = DistillStage {
-        train: latents(
-            Split::Train,
-            Selection { balance: settings.balance, mirrored: true, ..Selection::PLAIN },
-        )?,
+        train: latents(Split::Train, Selection::both_sides(settings.balance))?,
         header: ModelHeader { sizes: sizes.clone(), ..base.header.clone() },
         no_text: base.verbs.encode("").map_err(network)?,
         held_out: HeldOut::default(),

@@ -37,8 +37,7 @@ pub fn examples(corpus: &Path, header: &ModelHeader, weights: &Tensors) -> Resul
     let verbs = VerbTable::new(weights, header.sizes.text_width).map_err(of)?;
     let (features, _) = header.statistics().map_err(|error| TrainError::Device(error.to_string()))?;
     let manifest = Manifest::read(corpus)?;
-    let motions =
-        motions::read(&manifest, Split::Train, &features, Selection { mirrored: true, ..Selection::PLAIN })?;
+    let motions = motions::read(&manifest, Split::Train, &features, Selection::both_sides(0.0))?;
     let cut = Cut { frames: FRAMES, stride: STRIDE, other_lengths: 0.0, shortest: FRAMES, longest: FRAMES };
     let windows = windows(&motions, cut.checked(&header.sizes)?, 0);
     let latents = Latents::encode(&vae, &motions, &windows, rayon::current_num_threads())?;

@@ -3,6 +3,8 @@
 use super::course::Course;
 use crate::TrainError;
 use inkrig_generate::weights::Tensors;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
 use std::path::Path;
 
 /// A stage. Nothing in it changes along the way.
@@ -46,6 +48,26 @@ pub(super) trait Stage: Sync {
     fn write(&self, path: &Path, weights: &Tensors) -> Result<(), TrainError>;
 }
 
+/// The settings that a checkpoint was made with, as JSON. `gone`: settings that there are no more, where they said this, and nothing
+/// else; `added`: what was so before it could be said.
+pub(super) fn told<S: DeserializeOwned>(
+    settings: &str,
+    gone: &[(&str, f64)],
+    added: &[(&str, f64)],
+) -> Option<S> {
+    let mut said = serde_json::from_str::<Value>(settings).ok()?;
+    let table = said.as_object_mut()?;
+    for (name, value) in gone {
+        if table.get(*name) == Some(&Value::from(*value)) {
+            table.remove(*name);
+        }
+    }
+    for (name, value) in added {
+        table.entry(*name).or_insert(Value::from(*value));
+    }
+    serde_json::from_value(said).ok()
+}
+
 /// All weights that are trained, in a row.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Weights<'a> {
@@ -63,4 +85,35 @@ pub(super) fn network(error: inkrig_generate::GenerateError) -> TrainError {
 /// The seed of what a step draws.
 pub(super) fn seed_of(seed: u64, step: u64) -> u64 {
     seed.wrapping_mul(0x1_0000_0001).wrapping_add(step + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::training::{DenoiserSettings, VaeSettings};
+
+    #[test]
+    fn checkpoints_from_before_a_setting_had_what_was_so_then() {
+        let old = |settings: Value, more: &[(&str, f64)]| -> String {
+            let mut settings = settings;
+            let table = settings.as_object_mut().unwrap();
+            for name in ["retimed", "mirrored"] {
+                table.remove(name).unwrap();
+            }
+            table.extend(more.iter().map(|(name, value)| ((*name).to_string(), Value::from(*value))));
+            settings.to_string()
+        };
+        let usual = VaeSettings::default();
+        let before = old(serde_json::to_value(&usual).unwrap(), &[("dropout", 0.0)]);
+        let read = told::<VaeSettings>(&before, &[("dropout", 0.0)], &[("retimed", 0.0)]).unwrap();
+        assert_eq!(read, VaeSettings { retimed: 0.0, ..usual.clone() });
+        assert_ne!(read, usual, "it goes on without copies or not at all");
+        let dropped = old(serde_json::to_value(&usual).unwrap(), &[("dropout", 0.1)]);
+        assert!(told::<VaeSettings>(&dropped, &[("dropout", 0.0)], &[("retimed", 0.0)]).is_none());
+
+        let usual = DenoiserSettings::default();
+        let before = old(serde_json::to_value(&usual).unwrap(), &[]);
+        let read = told::<DenoiserSettings>(&before, &[], &[("retimed", 0.0)]).unwrap();
+        assert_eq!(read, DenoiserSettings { retimed: 0.0, ..usual });
+    }
 }

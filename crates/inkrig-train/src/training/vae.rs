@@ -7,7 +7,7 @@ use super::motions::Selection;
 use super::reconstruction::{Reconstruction, reconstruction};
 use super::run::{OnStep, Place, Report, run};
 use super::settings::VaeSettings;
-use super::stage::{Stage, Weights, network, seed_of};
+use super::stage::{Stage, Weights, network, seed_of, told};
 use super::weights_file::{header_of, named, read_weights, write_weights};
 use super::windows::{Batch, Windows};
 use crate::TrainError;
@@ -120,12 +120,8 @@ impl Stage for VaeStage<'_> {
     }
 
     fn is_same(&self, settings: &str) -> bool {
-        let Ok(mut said) = serde_json::from_str::<serde_json::Value>(settings) else { return false };
-        // A setting of earlier versions that nobody used.
-        if let Some(said) = said.as_object_mut().filter(|said| said.get("dropout") == Some(&0.0.into())) {
-            said.remove("dropout");
-        }
-        serde_json::from_value::<VaeSettings>(said).is_ok_and(|settings| settings == *self.settings)
+        let told = told::<VaeSettings>(settings, &[("dropout", 0.0)], &[("retimed", 0.0)]);
+        told.is_some_and(|told| told == *self.settings)
     }
 
     fn replica(&self) -> Result<VaeLearner, TrainError> {

@@ -47,7 +47,7 @@ impl Windows {
         Ok(Self { clips: motions.into_iter().map(|motion| motion.rows).collect(), upto })
     }
 
-    /// How many clips there are, mirror images included.
+    /// How many clips there are, copies included.
     pub fn clips(&self) -> usize {
         self.clips.len()
     }

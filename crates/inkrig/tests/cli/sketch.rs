@@ -59,6 +59,8 @@ fn what_cannot_be_read_is_said() {
         (&["train", "word", "--fonts", ".", "-o", "run"], "no font of Latin letters"),
         (&["train", "sketch", "--corpus", "nowhere", "-o", "run"], "nowhere"),
         (&["evaluate", "sketch", "--corpus", "nowhere", "--lines"], "nowhere"),
+        (&["evaluate", "reconstruction", "--corpus", "nowhere"], "nowhere"),
+        (&["evaluate", "control", "--corpus", "nowhere", "--steps", "2"], "nowhere"),
     ] {
         let output = inkrig(folder, arguments);
         let error = text(&output.stderr).replace(['\n', '│', ' '], "");
