@@ -42,7 +42,7 @@ pub(super) fn run(args: &EvaluateArgs, console: &Console) -> Result<(), CliError
                     fixed(row.aligned_mm, 1)
                 );
             }
-            console.say(&format!("{}\n\n{}", printable::path(&model.path), text.trim_end()))?;
+            console.say(format!("{}\n\n{}", printable::path(&model.path), text.trim_end()))?;
             console.result(&rows)
         }
         EvaluateCommand::Control { on, joints, steps, guide_every, text_weight, seed } => {
@@ -120,7 +120,7 @@ fn of_control(
             table.rows.push((name, protocol, row));
         }
     }
-    console.say(&format!("{}\n\n{}", printable::path(&model.path), table.text().trim_end()))?;
+    console.say(format!("{}\n\n{}", printable::path(&model.path), table.text().trim_end()))?;
     console.result(&table)
 }
 
