@@ -400,7 +400,7 @@ fn drawn_boards_are_certified_on_a_character() {
         return;
     }
     let (_keep, folder) = desk();
-    for name in ["turn-and-run", "jump"] {
+    for name in ["kick", "jump"] {
         let file = format!("{name}.json");
         std::fs::write(folder.join(&file), inkrig::samples::find(&file).unwrap().bytes).unwrap();
         let character = character.to_string_lossy();
