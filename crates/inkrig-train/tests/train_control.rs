@@ -118,6 +118,7 @@ fn stages_after_the_denoiser_learn_and_end_the_same_when_killed() {
         frames: 20,
         shortest: 10,
         longest: 40,
+        retimed: 0.0,
         ..VaeSettings::default()
     };
     let [of_vae, of_denoiser] = ["vae", "denoiser"].map(|name| desk.path().join(name));
@@ -130,6 +131,8 @@ fn stages_after_the_denoiser_learn_and_end_the_same_when_killed() {
         longest: 40,
         velocity: false,
         trunk: 0,
+        retimed: 0.0,
+        mixed: 0.0,
         ..DenoiserSettings::default()
     };
     let vae = of_vae.join("last.safetensors");
