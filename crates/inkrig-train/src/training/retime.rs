@@ -5,7 +5,7 @@ use inkrig_motion::glam::Vec3;
 use inkrig_motion::humanml::{Joints, bone_lengths, features, recover_positions, uniform};
 use inkrig_motion::{Features, MotionError};
 
-/// The highest speed, and the inverse of the lowest. Beyond it a jump's fall is seen to be wrong.
+/// The highest speed, and the inverse of the lowest. Chosen, not searched for: a fall that is much faster or slower is none.
 const MOST: f64 = 1.3;
 
 /// A speed, evenly drawn on the scale on which twice is as far as half.
