@@ -35,6 +35,8 @@ mod sketch;
 mod stop;
 #[path = "cli/storyboard.rs"]
 mod storyboard;
+#[path = "cli/storyboard_onto.rs"]
+mod storyboard_onto;
 #[path = "cli/studio.rs"]
 mod studio;
 #[path = "cli/words.rs"]

@@ -57,6 +57,8 @@ pub struct Pck {
     /// The same by the pose and not by the drawing: of where motion capture has the points, which a line that runs over does not
     /// show, within a tenth of neck to pelvis as it looks on paper.
     pub pck_of_the_pose: f64,
+    /// Share of drawn key points within a fifth of the torso's length (PCK@0.2).
+    pub pck_within_a_fifth: f64,
     /// By key point.
     pub by_point: [f64; KEY_POINTS],
     /// Mean distance, as a share of the torso's length.
@@ -115,7 +117,8 @@ pub fn measure(reader: &SketchReader, pictures: &[Picture]) -> Pck {
 /// Measures whatever finds key points. A point that is farther off than the torso is long counts as one torso in the mean.
 pub fn measure_by(find: &mut dyn FnMut(&Ink) -> Found, pictures: &[Picture]) -> Pck {
     let (mut found, mut drawn) = ([0_usize; KEY_POINTS], [0_usize; KEY_POINTS]);
-    let (mut either, mut of_the_pose, mut distance, mut presence) = (0_usize, 0_usize, 0.0, 0_usize);
+    let (mut either, mut of_the_pose, mut within_a_fifth) = (0_usize, 0_usize, 0_usize);
+    let (mut distance, mut presence) = (0.0, 0_usize);
     for picture in pictures {
         let reading = find(&picture.ink);
         let off = |point: usize, read: usize| {
@@ -126,6 +129,7 @@ pub fn measure_by(find: &mut dyn FnMut(&Ink) -> Found, pictures: &[Picture]) -> 
             if picture.drawn[point] {
                 drawn[point] += 1;
                 found[point] += usize::from(off(point, point) <= WITHIN);
+                within_a_fifth += usize::from(off(point, point) <= 2.0 * WITHIN);
                 distance += f64::from(off(point, point));
                 let pose = &picture.captured;
                 let miss = apart(pose[point], reading.places[point]);
@@ -147,6 +151,7 @@ pub fn measure_by(find: &mut dyn FnMut(&Ink) -> Found, pictures: &[Picture]) -> 
         pck: found.iter().sum::<usize>() as f64 / all,
         pck_either_side: either as f64 / all,
         pck_of_the_pose: of_the_pose as f64 / all,
+        pck_within_a_fifth: within_a_fifth as f64 / all,
         by_point: std::array::from_fn(|point| found[point] as f64 / drawn[point].max(1) as f64),
         mean_distance: distance / all,
         presence: presence as f64 / (KEY_POINTS * pictures.len().max(1)) as f64,
@@ -186,6 +191,8 @@ mod tests {
         let off = found(places.map(|[x, y]| [x + 6.0, y]));
         assert_eq!((off.pck, off.pck_of_the_pose), (1.0, 0.0));
         assert!((off.mean_distance - 6.0 / 80.0).abs() < 1e-6);
+        let farther = found(places.map(|[x, y]| [x + 12.0, y]));
+        assert_eq!((farther.pck, farther.pck_within_a_fifth), (0.0, 1.0));
         // Arms the other way round: six points, of which collars, elbows and hands lie too far apart to be taken for each other.
         let mut turned = places;
         [(11, 12), (14, 15), (16, 17)].iter().for_each(|(a, b)| turned.swap(*a, *b));

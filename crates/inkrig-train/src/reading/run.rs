@@ -221,15 +221,17 @@ impl Run {
     }
 }
 
-/// Random ones, but for the tensors that are there to begin with.
+/// Random ones, but for the tensors that are there to begin with. Beside such, blocks that are new change nothing at first.
 fn first_weights(plan: &Plan, task: &Task<'_>) -> Vec<f32> {
     let mut row = plan.random(task.pace.seed);
+    let Some(from) = task.from else { return row };
     let mut rest = row.as_mut_slice();
-    for (name, shape) in plan.tensors() {
+    for ((name, shape), adds) in plan.tensors().zip(plan.additions()) {
         let (own, others) = rest.split_at_mut(shape.iter().product());
-        if let Some(known) = task.from.and_then(|from| from.get(name)).filter(|known| known.shape() == shape)
-        {
-            own.copy_from_slice(known.data());
+        match from.get(name).filter(|known| known.shape() == shape) {
+            Some(known) => own.copy_from_slice(known.data()),
+            None if adds => own.fill(0.0),
+            None => {}
         }
         rest = others;
     }
@@ -275,4 +277,48 @@ fn read_log<L: Lesson>(path: &Path, step: u64) -> Result<Vec<L::Row>, TrainError
         write(path, kept.as_bytes())?;
     }
     Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use inkrig_generate::readers::network::{Shape, Value};
+
+    fn small(further: bool) -> (Plan, Value) {
+        let mut plan = Plan::new(Shape { height: 8, width: 8, channels: 1 });
+        let fine = plan.patch("fine", 0, [2, 2], [2, 2], [0, 0], 3);
+        let mut coarse = plan.patch("stem", 0, [4, 4], [4, 4], [0, 0], 5);
+        if further {
+            coarse = plan.shrink("fine.down", fine, coarse);
+        }
+        let mut last = plan.block("a", coarse, 3, 7);
+        if further {
+            last = plan.block("b", last, 3, 7);
+        }
+        (plan, last)
+    }
+
+    #[test]
+    fn layers_that_are_new_beside_known_weights_change_nothing_at_first() {
+        let ((plan, out), (further, further_out)) = (small(false), small(true));
+        let row = plan.random(1);
+        let tensors = Network::to_tensors(&plan, &row).unwrap();
+        let pace = Pace::default();
+        let folder = Path::new("");
+        let header = Header::new("sketch");
+        let mut task =
+            Task { folder, pace: &pace, identity: String::new(), header, from: Some(&tensors), threads: 1 };
+        let picture = Noise::new(2).normals(64);
+        let shown = |plan: &Plan, row: &[f32], out: Value| {
+            let mut work = Work::default();
+            Network::new(plan.clone(), row).unwrap().forward(&picture, &mut work);
+            work.value(out).to_vec()
+        };
+        let begun = first_weights(&further, &task);
+        assert_eq!(shown(&further, &begun, further_out), shown(&plan, &row, out));
+        // They are not dead: what they read is random, so that they learn; without known weights everything is.
+        assert!(begun.iter().filter(|weight| **weight == 0.0).count() < begun.len() / 2);
+        task.from = None;
+        assert_eq!(first_weights(&further, &task), further.random(pace.seed));
+    }
 }

@@ -67,7 +67,7 @@ pub struct SketchSettings {
 
 impl Default for SketchSettings {
     fn default() -> Self {
-        Self { pace: Pace::default(), bent: 0.3, turned: 0.15, varied: 0.35, from: None }
+        Self { pace: Pace::default(), bent: 0.3, turned: 0.15, varied: 0.5, from: None }
     }
 }
 

@@ -3,8 +3,8 @@
 use crate::figures::Picture;
 use inkrig_generate::readers::sketch::{CELLS, KEY_POINTS, SIDE};
 
-/// How far the truth spreads on a heat map, cells.
-const SPREAD: f32 = 0.9;
+/// How far the truth spreads on a heat map, cells: two pixels, less than a tenth of the torso of a small figure.
+const SPREAD: f32 = 0.5;
 /// How much presence counts beside places.
 const PRESENCE: f32 = 0.2;
 

@@ -120,7 +120,7 @@ impl Boards {
                 tell(before, number)
             }
             Next::Frame(_) => tell(before.max(1), 0),
-            Next::Whole => tell(count + 1, 0),
+            Next::Whole | Next::Character => tell(count + 1, 0),
         };
         let made = workshop.make(&asked, &mut takes, watch)?;
         drop(takes);

@@ -38,7 +38,10 @@ impl Network {
         let [s1, s2, s3] = &mut work.scratch;
         let outer = &mut work.outer;
         match (layer.kind, &self.layers[at]) {
-            (Kind::Patch { .. }, LayerWeights::Dense(dense)) => {
+            (Kind::Patch { skip, .. }, LayerWeights::Dense(dense)) => {
+                if let Some(skip) = skip {
+                    add(&mut before[skip], grad);
+                }
                 dense.weight_gradient(&kept.rows, grad, own, outer);
                 if layer.from > 0 {
                     let grid = grid(plan, at);

@@ -61,11 +61,14 @@ impl Network {
         let out = fit(&mut after[0], plan.shapes[at + 1].numbers());
         let inner = plan.shapes[layer.from];
         match (layer.kind, &self.layers[at]) {
-            (Kind::Patch { .. }, LayerWeights::Dense(dense)) => {
+            (Kind::Patch { skip, .. }, LayerWeights::Dense(dense)) => {
                 let grid = grid(plan, at);
                 let rows = fit(&mut kept.rows, grid.depth() * grid.outer.places());
                 grid.gather(x, rows);
                 dense.forward(rows, out);
+                if let Some(skip) = skip {
+                    add(out, &before[skip]);
+                }
             }
             (Kind::Linear, LayerWeights::Dense(dense)) => dense.forward(x, out),
             (Kind::Norm, LayerWeights::Norm(norm)) => {
@@ -119,7 +122,7 @@ pub(super) fn grid(plan: &Plan, at: usize) -> Grid {
     let layer = &plan.layers[at];
     let (inner, outer) = (plan.shapes[layer.from], plan.shapes[at + 1]);
     match layer.kind {
-        Kind::Patch { kernel, stride, pad } => Grid { kernel, stride, pad, inner, outer },
+        Kind::Patch { kernel, stride, pad, .. } => Grid { kernel, stride, pad, inner, outer },
         _ => Grid { kernel: [1, 1], stride: [1, 1], pad: [0, 0], inner, outer },
     }
 }

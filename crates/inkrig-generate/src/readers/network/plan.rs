@@ -32,8 +32,8 @@ pub type Value = usize;
 /// What a layer does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// A convolution: patches `stride` apart, beginning `pad` before the border, through a linear layer.
-    Patch { kernel: [usize; 2], stride: [usize; 2], pad: [usize; 2] },
+    /// A convolution: patches `stride` apart, beginning `pad` before the border, through a linear layer; added to `skip`.
+    Patch { kernel: [usize; 2], stride: [usize; 2], pad: [usize; 2], skip: Option<Value> },
     /// A block with a depthwise convolution of `kernel` x `kernel` and `hidden` channels inside.
     Block { kernel: usize, hidden: usize },
     /// A table of half the size through a linear layer, every place of it four times, added to `skip`.
@@ -60,6 +60,8 @@ struct Spec {
     name: String,
     shape: Vec<usize>,
     start: Start,
+    /// Whether what it makes is added to what was there: with zeros the layer changes nothing.
+    adds: bool,
 }
 
 /// What a tensor holds before training.
@@ -99,6 +101,11 @@ impl Plan {
         self.specs.iter().map(|spec| (spec.name.as_str(), spec.shape.as_slice()))
     }
 
+    /// Of each of [`Plan::tensors`], whether what it makes is added to what was there: with zeros its layer changes nothing.
+    pub fn additions(&self) -> impl Iterator<Item = bool> {
+        self.specs.iter().map(|spec| spec.adds)
+    }
+
     /// Weights to begin training with.
     pub fn random(&self, seed: u64) -> Vec<f32> {
         let mut noise = Noise::new(seed);
@@ -128,7 +135,16 @@ impl Plan {
         let shape = Shape { height: along(inner.height, 0), width: along(inner.width, 1), channels };
         let first = self.numbers;
         self.linear_weights(name, channels, kernel[0] * kernel[1] * inner.channels, 1.0);
-        self.push(Kind::Patch { kernel, stride, pad }, from, first, shape)
+        self.push(Kind::Patch { kernel, stride, pad, skip: None }, from, first, shape)
+    }
+
+    /// Adds a convolution of patches of 2 x 2, side by side, to `skip`, which has half the size.
+    pub fn shrink(&mut self, name: &str, from: Value, skip: Value) -> Value {
+        let (inner, shape, first) = (self.shape(from), self.shape(skip), self.numbers);
+        self.linear_weights(name, shape.channels, 4 * inner.channels, 1.0);
+        self.adds(2);
+        let [kernel, stride, pad] = [[2, 2], [2, 2], [0, 0]];
+        self.push(Kind::Patch { kernel, stride, pad, skip: Some(skip) }, from, first, shape)
     }
 
     /// Adds a block; `kernel` is odd.
@@ -141,6 +157,7 @@ impl Plan {
         self.norm_weights(&format!("{name}.norm"), width);
         self.linear_weights(&format!("{name}.linear1"), hidden, width, 1.4);
         self.linear_weights(&format!("{name}.linear2"), width, hidden, 0.5);
+        self.adds(2);
         self.push(Kind::Block { kernel, hidden }, from, first, shape)
     }
 
@@ -190,6 +207,11 @@ impl Plan {
 
     fn spec(&mut self, name: String, shape: Vec<usize>, start: Start) {
         self.numbers += shape.iter().product::<usize>();
-        self.specs.push(Spec { name, shape, start });
+        self.specs.push(Spec { name, shape, start, adds: false });
+    }
+
+    /// What the last tensors make is added.
+    fn adds(&mut self, tensors: usize) {
+        self.specs.iter_mut().rev().take(tensors).for_each(|spec| spec.adds = true);
     }
 }

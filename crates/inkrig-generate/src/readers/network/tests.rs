@@ -11,6 +11,7 @@ fn plan_of(height: usize, width: usize) -> (Plan, [Value; 2]) {
     let stem = plan.patch("stem", 0, [4, 6], [2, 4], [1, 1], 5);
     let a = plan.block("a", stem, 3, 7);
     let low = plan.patch("down", a, [2, 2], [2, 2], [0, 0], 34);
+    let low = plan.shrink("again", a, low);
     let low = plan.block("b", low, 5, 9);
     let mean = plan.mean(low);
     let mean = plan.norm("mean", mean);

@@ -20,7 +20,8 @@ pub struct Outputs {
 }
 
 /// Cells of 4 pixels, then 20, 10 and 5 cells a side, and back up with what was seen on the way down. What is seen of each cell is
-/// taken twice from the paper: briefly for the way down, and with twice the channels for where exactly a line ends or bends.
+/// taken thrice from the paper: briefly for the way down, with twice the channels for where exactly a line ends or bends, and of
+/// cells of 2 pixels for what is finer than that.
 pub fn plan() -> (Plan, Outputs) {
     let mut plan = Plan::new(Shape { height: SIDE, width: SIDE, channels: 1 });
     let a = plan.patch("stem", 0, [8, 8], [4, 4], [2, 2], 32);
@@ -36,16 +37,20 @@ pub fn plan() -> (Plan, Outputs) {
     let c = down(&mut plan, "down.1", b, 128);
     let c = blocks(&mut plan, "coarse", c, 7, 384, 0..3);
     let d = down(&mut plan, "down.2", c, 192);
-    let d = blocks(&mut plan, "whole", d, 5, 576, 0..1);
+    let d = blocks(&mut plan, "whole", d, 5, 576, 0..2);
     let up = plan.join("up.0", d, c);
-    let up = blocks(&mut plan, "coarse", up, 7, 384, 3..5);
+    let up = blocks(&mut plan, "coarse", up, 7, 384, 3..7);
     let up = plan.join("up.1", up, b);
-    let up = blocks(&mut plan, "middle", up, 7, 192, 2..5);
+    let up = blocks(&mut plan, "middle", up, 7, 192, 2..6);
     let exact = plan.patch("exact.stem", 0, [8, 8], [4, 4], [2, 2], 64);
+    let sharp = plan.patch("sharp.stem", 0, [4, 4], [2, 2], [1, 1], 16);
+    let sharp = plan.block("sharp.0", sharp, 3, 32);
+    let exact = plan.shrink("sharp.down", sharp, exact);
     let exact = plan.block("exact.0", exact, 5, 128);
     let up = plan.join("exact.up", up, exact);
     let up = plan.block("exact.1", up, 7, 128);
     let up = plan.block("exact.2", up, 5, 128);
+    let up = plan.block("exact.3", up, 7, 128);
     let up = plan.norm("exact.norm", up);
     let heat = plan.linear("exact.heat", up, KEY_POINTS);
     let mean = plan.mean(d);

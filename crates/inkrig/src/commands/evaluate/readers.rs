@@ -91,10 +91,11 @@ fn find(reader: Option<&SketchReader>, ink: &Ink, work: &mut Work) -> Found {
 fn line(name: &str, pck: &Pck) -> String {
     let share = |share: f64| fixed(100.0 * share, 1);
     format!(
-        "{name}: PCK@0.1 {} % ({} % with left and right left open; {} % by the pose that was drawn), mean distance {} % of the torso, drawn or not told {} % ({} drawings)",
+        "{name}: PCK@0.1 {} % ({} % with left and right left open; {} % by the pose that was drawn), PCK@0.2 {} %, mean distance {} % of the torso, drawn or not told {} % ({} drawings)",
         share(pck.pck),
         share(pck.pck_either_side),
         share(pck.pck_of_the_pose),
+        share(pck.pck_within_a_fifth),
         share(pck.mean_distance),
         share(pck.presence),
         pck.pictures

@@ -2,7 +2,7 @@
 
 use super::examples::Examples;
 use super::making::{exactness, wrong};
-use super::onto::onto;
+use super::onto::Character;
 use super::record::{ExampleRecord, exact_name};
 use super::scene::Scene;
 use super::{Results, finish, sheet, video};
@@ -97,8 +97,9 @@ pub(super) fn run(
     let name = if board.title.is_empty() { "storyboard" } else { &board.title };
     let (written, certificate) = match &args.onto {
         Some(character) => {
-            let (moved, certificate) = onto(&made.clip, character, console, &mut warnings)?;
-            (write_motion(&moved.clip, format, &moved.export(format, name))?, Some(certificate))
+            let character = Character::read(character, console, &mut warnings)?;
+            let (moved, certificate) = character.carry(&made.clip)?;
+            (write_motion(&moved, format, &character.export(format, name))?, Some(certificate))
         }
         None => {
             let export = ExportOptions {

@@ -1,6 +1,7 @@
 //! `--engine`: by the model, by the user's clips, or by both.
 
 use super::examples::by_example;
+use super::onto::Character;
 use super::record::EngineRecord;
 use super::{Asked, Made, Takes, Workshop, shown};
 use crate::cli::{BlendArg, EngineArg, StepsArg, StoryboardArgs};
@@ -47,20 +48,20 @@ pub(super) fn check(args: &StoryboardArgs) -> Result<(), CliError> {
     }
 }
 
-/// Makes a person's animation.
+/// Makes a person's animation, where there are a library and a character from its clips and for that.
 ///
 /// # Errors
-/// As [`Workshop::make`].
+/// As [`Workshop::make_on`].
 pub(super) fn made(
     engine: EngineArg,
     workshop: &Workshop<'_>,
     asked: &[Asked<'_>],
-    library: Option<&Library>,
+    (library, character): (Option<&Library>, Option<&Character>),
     console: &Console,
 ) -> Result<Engines, CliError> {
     let mut watch = shown(console, asked.len());
     let Some(library) = library else {
-        let made = workshop.make(asked, &mut Takes::default(), &mut watch)?;
+        let made = workshop.make_on(character, asked, &[], &mut watch)?;
         return Ok(Engines { made, retrieved: Vec::new(), compared: Vec::new() });
     };
     let begun = Instant::now();
@@ -72,7 +73,7 @@ pub(super) fn made(
         return Ok(Engines { made: example, retrieved, compared: Vec::new() });
     }
     let begun = Instant::now();
-    let both = workshop.make_near(asked, &example.clips, &mut Takes::default(), &mut watch)?;
+    let both = workshop.make_on(character, asked, &example.clips, &mut watch)?;
     let by_both = by_example + begun.elapsed().as_secs_f64();
     let begun = Instant::now();
     let alone = workshop.make(asked, &mut Takes::default(), &mut watch)?;

@@ -59,6 +59,8 @@ pub(in crate::commands) enum Next {
     Frame(usize),
     /// One animation of all.
     Whole,
+    /// Which motions land on a character.
+    Character,
 }
 
 /// Shows on the console what is made of that many frames.
@@ -69,6 +71,7 @@ pub(in crate::commands) fn shown(console: &Console, frames: usize) -> impl FnMut
         stage = Some(console.stage(match next {
             Next::Frame(number) => format!("frame {number} of {frames}"),
             Next::Whole => "joining, and meeting the lines".into(),
+            Next::Character => "looking for motions that land on the character".into(),
         }));
         ControlFlow::Continue(0)
     }
@@ -265,10 +268,6 @@ impl Workshop<'_> {
     ) -> Result<Made, CliError> {
         let Self { model, encoder, settings, path } = *self;
         let wrong = wrong(path);
-        let mut goes_on = |next| match watch(next) {
-            ControlFlow::Break(()) => Err(wrong(StoryboardError::Stopped)),
-            ControlFlow::Continue(threads) => Ok(threads),
-        };
         let no_text = encoder.encode("").map_err(|cause| about(&model.path, cause))?;
         let networks = model.networks()?;
         let maker = Maker {
@@ -282,7 +281,7 @@ impl Workshop<'_> {
         let (mut made, mut ranked, mut texts) = (Vec::new(), Vec::new(), Vec::new());
         for (at, asked) in frames.iter().enumerate() {
             let number = asked.number;
-            let threads = goes_on(Next::Frame(number))?;
+            let threads = self.goes_on(watch, Next::Frame(number))?;
             let order = self.order(asked, &made)?;
             let text = order.text.clone();
             let known = takes.of(&order);
@@ -308,7 +307,7 @@ impl Workshop<'_> {
         let is_joined = |number: usize| frames.iter().any(|asked| asked.number == number);
         let clips: Vec<Generated> =
             made.into_iter().filter(|(number, _)| is_joined(*number)).map(|(_, clip)| clip).collect();
-        let threads = goes_on(Next::Whole)?;
+        let threads = self.goes_on(watch, Next::Whole)?;
         let sampler = Sampler { networks, features: &model.features, no_text: &no_text };
         let both: Vec<Vec<f32>> = texts
             .windows(2)
@@ -326,6 +325,14 @@ impl Workshop<'_> {
         let animation = on(threads, || animation(&clips, blender, body, &exact))
             .map_err(|cause| wrong(of_row(cause, &frames)))?;
         Ok(Made { clips, ranked, animation })
+    }
+
+    /// Tells what is next; gives the number of threads for it.
+    fn goes_on(&self, watch: &mut dyn FnMut(Next) -> GoOn, next: Next) -> Result<usize, CliError> {
+        match watch(next) {
+            ControlFlow::Break(()) => Err(wrong(self.path)(StoryboardError::Stopped)),
+            ControlFlow::Continue(threads) => Ok(threads),
+        }
     }
 
     /// The one of a frame's clips that it says, with what it says of that in space.

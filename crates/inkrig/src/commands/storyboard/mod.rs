@@ -3,6 +3,7 @@
 mod creature;
 mod engines;
 mod examples;
+mod landing;
 mod making;
 mod marks;
 mod onto;
@@ -26,7 +27,7 @@ use engines::Engines;
 use inkrig_formats::{ExportOptions, Format, HumanBone, write_motion};
 use inkrig_motion::humanml::{FRAME_RATE, Joints, to_clip};
 use inkrig_storyboard::NO_TAKE;
-use onto::onto;
+use onto::Character;
 use record::Record;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -72,6 +73,8 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     let clips: Vec<PathBuf> =
         (1..=board.frames.len()).filter(|_| args.clips).map(|number| numbered(&args.out, number)).collect();
     clips.iter().try_for_each(|path| run.check(path))?;
+    let character =
+        args.onto.as_ref().map(|path| Character::read(path, console, &mut warnings)).transpose()?;
     let stage = console.stage("reading the model");
     let mut model = Model::asked(named.as_deref(), args.steps)?;
     let encoder = model.read(args.text_model.as_deref())?;
@@ -85,7 +88,7 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     let asked = all(&board, understood.iter().map(Some));
     let library = examples.as_ref().map(|examples| &examples.library);
     let Engines { made, retrieved, compared } =
-        engines::made(args.engine, &workshop, &asked, library, console)?;
+        engines::made(args.engine, &workshop, &asked, (library, character.as_ref()), console)?;
     if args.engine == EngineArg::Example {
         let chosen = asked.iter().filter(|asked| asked.frame.take > 0);
         warnings.extend(chosen.map(|asked| format!("frame {}: {NO_TAKE}", asked.number)));
@@ -103,17 +106,14 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
         humanoid: HUMANOID.map(|(name, joint)| HumanBone { name, joint }).to_vec(),
         ..ExportOptions::default()
     };
-    let (moved, certificate) = match &args.onto {
+    let clip = &made.animation.clip;
+    let (written, moved, certificate) = match &character {
         Some(character) => {
-            let _stage = console.stage("carrying the motion over");
-            let (moved, certificate) = onto(&made.animation.clip, character, console, &mut warnings)?;
-            (Some(moved), Some(certificate))
+            let (moved, certificate) = character.carry(clip)?;
+            let written = write_motion(&moved, format, &character.export(format, name))?;
+            (written, Some(moved), Some(certificate))
         }
-        None => (None, None),
-    };
-    let written = match &moved {
-        Some(moved) => write_motion(&moved.clip, format, &moved.export(format, name))?,
-        None => write_motion(&made.animation.clip, format, &export(name))?,
+        None => (write_motion(clip, format, &export(name))?, None, None),
     };
     warnings.extend(load::warnings(&written.findings, &args.out));
     let mut files: Vec<(&Path, Vec<u8>)> = Vec::new();
@@ -130,8 +130,8 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
         files.push((path, serde_json::to_vec_pretty(&record)?));
     }
     if let Some(path) = &args.preview {
-        let shown = moved.as_ref().map(|moved| &moved.clip);
-        let page = page(name, &board, (&understood, &made), shown, (&record.figures(), &record.warnings));
+        let page =
+            page(name, &board, (&understood, &made), moved.as_ref(), (&record.figures(), &record.warnings));
         files.push((path, page.into_bytes()));
     }
     if let Some(path) = &args.sheet {

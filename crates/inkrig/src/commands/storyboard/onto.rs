@@ -8,43 +8,53 @@ use crate::error::CliError;
 use inkrig_formats::{ExportOptions, Format, Import};
 use inkrig_motion::Clip;
 use inkrig_motion::retarget::{Certificate, CertificateLimits, RetargetOptions, retarget, standing_pose};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// What came of it.
-pub(super) struct Moved {
-    pub(super) clip: Clip,
-    character: Import,
+/// Whom an animation is put on.
+pub(super) struct Character {
+    import: Import,
+    path: PathBuf,
 }
 
-/// Carries an animation over, and says how exact it is there.
-///
-/// # Errors
-/// When the character is not there, or is not one that a person's motion goes onto.
-pub(super) fn onto(
-    clip: &Clip,
-    path: &Path,
-    console: &Console,
-    warnings: &mut Vec<String>,
-) -> Result<(Moved, CertificateRecord), CliError> {
-    let character = motion(path, &ImportArgs::default(), console, warnings)?;
-    let options = RetargetOptions {
-        keep_feet: true,
-        stance: standing_pose(&character.clip),
-        ..RetargetOptions::default()
-    };
-    let moved = retarget(clip, character.clip.skeleton(), &options)
-        .map_err(|cause| CliError::Retarget { path: path.into(), cause: Box::new(cause) })?;
-    let certificate = Certificate::of(clip, &moved);
-    let broken = certificate.broken(&CertificateLimits::default());
-    let certificate = CertificateRecord::of(&certificate, &broken);
-    Ok((Moved { clip: moved.clip, character }, certificate))
-}
+impl Character {
+    /// # Errors
+    /// When the file is not there, or is none of a motion or a character.
+    pub(super) fn read(path: &Path, console: &Console, warnings: &mut Vec<String>) -> Result<Self, CliError> {
+        let import = motion(path, &ImportArgs::default(), console, warnings)?;
+        Ok(Self { import, path: path.into() })
+    }
 
-impl Moved {
+    /// Carries an animation over, and says how exact it is there.
+    ///
+    /// # Errors
+    /// When the character is not one that such a motion goes onto.
+    pub(super) fn carry(&self, clip: &Clip) -> Result<(Clip, CertificateRecord), CliError> {
+        let (moved, certificate) = self.certified(clip)?;
+        let broken = certificate.broken(&CertificateLimits::default());
+        Ok((moved, CertificateRecord::of(&certificate, &broken)))
+    }
+
+    /// By how much an animation is beyond the limits there, each as a share of itself, in sum; 0 where it passes.
+    ///
+    /// # Errors
+    /// As of [`carry`](Self::carry).
+    pub(super) fn beyond(&self, clip: &Clip) -> Result<f64, CliError> {
+        let broken = self.certified(clip)?.1.broken(&CertificateLimits::default());
+        let shares = broken.iter().map(|broken| broken.value / broken.limit - 1.0);
+        Ok(shares.map(|share| if share.is_finite() { share } else { f64::INFINITY }).sum())
+    }
+
+    fn certified(&self, clip: &Clip) -> Result<(Clip, Certificate), CliError> {
+        let own = &self.import.clip;
+        let options =
+            RetargetOptions { keep_feet: true, stance: standing_pose(own), ..RetargetOptions::default() };
+        let moved = retarget(clip, own.skeleton(), &options)
+            .map_err(|cause| CliError::Retarget { path: self.path.clone(), cause: Box::new(cause) })?;
+        let certificate = Certificate::of(clip, &moved);
+        Ok((moved.clip, certificate))
+    }
+
     pub(super) fn export(&self, format: Format, name: &str) -> ExportOptions {
-        ExportOptions {
-            name: Some(name.to_owned()),
-            ..ExportOptions::in_format(format, &self.character.source)
-        }
+        ExportOptions { name: Some(name.to_owned()), ..ExportOptions::in_format(format, &self.import.source) }
     }
 }

@@ -65,6 +65,9 @@ pub(in crate::commands) struct Part {
     #[serde(skip_serializing_if = "Option::is_none")]
     path: Option<PathRecord>,
     candidate: usize,
+    /// Its place among all motions that were made of the frame, the best first, and how many these are.
+    take: usize,
+    takes: usize,
     evaluations: usize,
     /// Mean and largest distance on the picture between asked places and joints, as sampled.
     sampled: [f32; 2],
@@ -308,6 +311,9 @@ impl Record {
             if part.key_frame.is_some() || !ways.is_empty() {
                 text += &format!("; {mean} cm off the drawing, {most} at most");
             }
+            if part.take > 0 {
+                text += &format!("; motion {} of {}", part.take + 1, part.takes);
+            }
             text += &part.path.as_ref().map(PathRecord::text).unwrap_or_default();
             text += &part.space.text();
             if let Some(example) = &part.example {
@@ -339,8 +345,8 @@ pub(in crate::commands) fn parts(
     let mut parts = Vec::new();
     for (at, asked) in frames.iter().enumerate() {
         let frame = asked.read;
-        let (Some(clip), Some(start), Some(goals)) =
-            (made.clips.get(at), joined.starts.get(at), goals.get(at))
+        let (Some(clip), Some(ranked), Some(start), Some(goals)) =
+            (made.clips.get(at), made.ranked.get(at), joined.starts.get(at), goals.get(at))
         else {
             continue;
         };
@@ -398,6 +404,8 @@ pub(in crate::commands) fn parts(
             trajectories: trajectories.collect(),
             path,
             candidate: clip.candidate,
+            take: ranked.iter().position(|own| own.candidate == clip.candidate).unwrap_or(0),
+            takes: ranked.len(),
             evaluations: clip.evaluations,
             sampled: [clip.error, clip.worst],
             result,
