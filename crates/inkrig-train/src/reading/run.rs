@@ -221,16 +221,20 @@ impl Run {
     }
 }
 
-/// Random ones, but for the tensors that are there to begin with. Beside such, blocks that are new change nothing at first.
+/// Random ones, but for the tensors that are there to begin with. Beside such, what is new changes nothing at first: what a block, a
+/// join or a convolution onto another table adds begins with zeros.
 fn first_weights(plan: &Plan, task: &Task<'_>) -> Vec<f32> {
     let mut row = plan.random(task.pace.seed);
     let Some(from) = task.from else { return row };
-    let mut rest = row.as_mut_slice();
+    let (mut rest, mut new) = (row.as_mut_slice(), false);
     for ((name, shape), adds) in plan.tensors().zip(plan.additions()) {
         let (own, others) = rest.split_at_mut(shape.iter().product());
-        match from.get(name).filter(|known| known.shape() == shape) {
+        let known = from.get(name).filter(|known| known.shape() == shape);
+        // The bias stands behind its weight, and says nothing without it.
+        new = adds && (known.is_none() || new && name.ends_with(".bias"));
+        match known {
+            _ if new => own.fill(0.0),
             Some(known) => own.copy_from_slice(known.data()),
-            None if adds => own.fill(0.0),
             None => {}
         }
         rest = others;
@@ -294,6 +298,8 @@ mod tests {
         let mut last = plan.block("a", coarse, 3, 7);
         if further {
             last = plan.block("b", last, 3, 7);
+            let half = plan.patch("half", last, [2, 2], [2, 2], [0, 0], 4);
+            last = plan.join("up", half, last);
         }
         (plan, last)
     }
@@ -301,7 +307,7 @@ mod tests {
     #[test]
     fn layers_that_are_new_beside_known_weights_change_nothing_at_first() {
         let ((plan, out), (further, further_out)) = (small(false), small(true));
-        let row = plan.random(1);
+        let row: Vec<f32> = plan.random(1).iter().map(|weight| weight + 0.1).collect();
         let tensors = Network::to_tensors(&plan, &row).unwrap();
         let pace = Pace::default();
         let folder = Path::new("");
@@ -318,6 +324,13 @@ mod tests {
         assert_eq!(shown(&further, &begun, further_out), shown(&plan, &row, out));
         // They are not dead: what they read is random, so that they learn; without known weights everything is.
         assert!(begun.iter().filter(|weight| **weight == 0.0).count() < begun.len() / 2);
+        // A block of another depth is a new one, though its last bias would fit.
+        let mut deeper = Plan::new(Shape { height: 8, width: 8, channels: 1 });
+        deeper.patch("fine", 0, [2, 2], [2, 2], [0, 0], 3);
+        let stem = deeper.patch("stem", 0, [4, 4], [4, 4], [0, 0], 5);
+        let last = deeper.block("a", stem, 3, 9);
+        let begun = first_weights(&deeper, &task);
+        assert_eq!(shown(&deeper, &begun, last), shown(&deeper, &begun, stem));
         task.from = None;
         assert_eq!(first_weights(&further, &task), further.random(pace.seed));
     }

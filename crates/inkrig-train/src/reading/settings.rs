@@ -61,7 +61,7 @@ pub struct SketchSettings {
     pub turned: f64,
     /// Share of figures of stranger proportions and habits than those of learned styles that are measured on.
     pub varied: f64,
-    /// Weights to begin with, as far as their tensors fit; all others begin at random.
+    /// Weights to begin with, as far as their tensors fit; all others begin at random, but what new blocks add begins at zero.
     pub from: Option<PathBuf>,
 }
 

@@ -37,7 +37,7 @@ pub struct StoryboardArgs {
     /// The file to write: .bvh, .glb, .fbx, .usda, .vrma
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub out: PathBuf,
-    /// A character's file, which the animation is put on
+    /// A character's file, which the animation is put on; where the best motions are beyond a limit of the certificate there, others are tried
     #[arg(long, value_name = "CHARACTER", value_hint = ValueHint::FilePath)]
     pub onto: Option<PathBuf>,
     /// What frames are made by: learned (the model), example (clips of --examples), both (the model, which begins with the clips; the report compares all three)
@@ -53,7 +53,7 @@ pub struct StoryboardArgs {
     /// Which of the motions: the same seed gives the same
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
-    /// How many motions are made of a frame, of which the best is taken [default: 4]
+    /// How many motions are made of a frame, of which the best is taken; with --onto one that lands on the character [default: 4]
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=64))]
     pub candidates: Option<u16>,
     /// How a frame goes over into the next: smooth (cubics), or model (made by the model, slower)

@@ -16,14 +16,14 @@ fn beyond(report: &serde_json::Value) -> f64 {
         .sum()
 }
 
-/// A body with short shanks and long forearms, of a motion's BVH file.
+/// A body with short legs and long forearms, of a motion's BVH file.
 fn of_other_build(bvh: &str) -> String {
     let mut factor = 1.0;
     let mut lines = Vec::new();
     for line in bvh.lines() {
         if let Some(name) = line.trim().strip_prefix("JOINT ") {
-            factor = if name.contains("ankle") || name.contains("knee") { 0.6 } else { 1.0 };
-            factor = if name.contains("wrist") { 1.6 } else { factor };
+            factor = if name.contains("ankle") || name.contains("knee") { 0.85 } else { 1.0 };
+            factor = if name.contains("wrist") { 1.3 } else { factor };
         }
         lines.push(match line.trim().strip_prefix("OFFSET ") {
             Some(offset) => {
@@ -46,8 +46,9 @@ fn of_a_frames_motions_one_that_lands_on_the_character_is_taken() {
         assert!(output.status.success(), "{}", text(&output.stderr));
         (report(folder), text(&output.stdout).to_owned())
     };
+    let onto = ["--onto", "hero.bvh"];
     let mut others = 0;
-    for name in ["kick", "jump", "dance"] {
+    for name in ["kick", "jump", "dance", "walk-and-wave"] {
         let sample = inkrig::samples::find(&format!("{name}.json")).unwrap().bytes;
         let mut board: serde_json::Value = serde_json::from_slice(sample).unwrap();
         board["frames"].as_array_mut().unwrap().truncate(1);
@@ -57,18 +58,28 @@ fn of_a_frames_motions_one_that_lands_on_the_character_is_taken() {
         made("b.json", "own.bvh", &[]);
         let own = std::fs::read_to_string(folder.join("own.bvh")).unwrap();
         std::fs::write(folder.join("hero.bvh"), of_other_build(&own)).unwrap();
-        let onto = ["--onto", "hero.bvh"];
         let (chosen, said) = made("b.json", "out.bvh", &onto);
-        let (least, take) = (beyond(&chosen), chosen["parts"][0]["take"].as_u64().unwrap());
+        let take = chosen["parts"][0]["take"].as_u64().unwrap();
         assert_eq!(said.contains(&format!("motion {} of 4", take + 1)), take > 0, "{said}");
+        println!("{name}: motion {take} of 0 to 3, beyond by {}", beyond(&chosen));
         others += take;
-        for other in 1..4 {
+        // Those before it did not land; where none does, the best stays.
+        let lands = beyond(&chosen) == 0.0;
+        assert!(lands || take == 0, "{said}");
+        for other in 1..if lands { take } else { 4 } {
             board["frames"][0]["take"] = other.into();
             write(&board);
             let (told, _) = made("b.json", "out.bvh", &onto);
             assert_eq!(told["parts"][0]["take"], other, "who says a take has it");
-            println!("{name}: motion {other} {}, {take} {least}", beyond(&told));
-            assert!(beyond(&told) >= least - 1e-3, "{name}: {} of {other}, {least} of {take}", beyond(&told));
+            assert!(beyond(&told) > 0.0, "{name}: motion {other} lands, too");
+        }
+        // A joint that was put in space was put so in the best motion.
+        if take > 0 {
+            board["frames"][0].as_object_mut().unwrap().remove("take");
+            let at = [0.3, 1.0, 0.2];
+            board["frames"][0]["edits"] = serde_json::json!([{"joint": "left_wrist", "frame": 20, "at": at}]);
+            write(&board);
+            assert_eq!(made("b.json", "out.bvh", &onto).0["parts"][0]["take"], 0);
         }
     }
     assert!(others > 0, "the best of all of them landed, which shows nothing");

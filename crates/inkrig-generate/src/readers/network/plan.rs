@@ -165,6 +165,7 @@ impl Plan {
     pub fn join(&mut self, name: &str, low: Value, skip: Value) -> Value {
         let (inner, shape, first) = (self.shape(low), self.shape(skip), self.numbers);
         self.linear_weights(name, shape.channels, inner.channels, 1.0);
+        self.adds(2);
         self.push(Kind::Join { skip }, low, first, shape)
     }
 

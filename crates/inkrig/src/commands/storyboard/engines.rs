@@ -3,7 +3,7 @@
 use super::examples::by_example;
 use super::onto::Character;
 use super::record::EngineRecord;
-use super::{Asked, Made, Takes, Workshop, shown};
+use super::{Asked, Made, Workshop, shown};
 use crate::cli::{BlendArg, EngineArg, StepsArg, StoryboardArgs};
 use crate::console::Console;
 use crate::error::CliError;
@@ -48,7 +48,7 @@ pub(super) fn check(args: &StoryboardArgs) -> Result<(), CliError> {
     }
 }
 
-/// Makes a person's animation, where there are a library and a character from its clips and for that.
+/// Makes a person's animation: from the library's clips, if there is one; of motions that land on the character, if there is one.
 ///
 /// # Errors
 /// As [`Workshop::make_on`].
@@ -76,7 +76,7 @@ pub(super) fn made(
     let both = workshop.make_on(character, asked, &example.clips, &mut watch)?;
     let by_both = by_example + begun.elapsed().as_secs_f64();
     let begun = Instant::now();
-    let alone = workshop.make(asked, &mut Takes::default(), &mut watch)?;
+    let alone = workshop.make_on(character, asked, &[], &mut watch)?;
     let compared = vec![
         EngineRecord::of(EngineArg::Learned, begun.elapsed().as_secs_f64(), &alone),
         EngineRecord::of(EngineArg::Example, by_example, &example),

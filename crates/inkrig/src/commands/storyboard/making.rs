@@ -65,14 +65,16 @@ pub(in crate::commands) enum Next {
 
 /// Shows on the console what is made of that many frames.
 pub(in crate::commands) fn shown(console: &Console, frames: usize) -> impl FnMut(Next) -> GoOn {
-    let mut stage = None;
+    let (mut stage, mut before) = (None, None);
     move |next| {
-        drop(stage.take());
-        stage = Some(console.stage(match next {
-            Next::Frame(number) => format!("frame {number} of {frames}"),
-            Next::Whole => "joining, and meeting the lines".into(),
-            Next::Character => "looking for motions that land on the character".into(),
-        }));
+        if before.replace(next) != Some(next) {
+            drop(stage.take());
+            stage = Some(console.stage(match next {
+                Next::Frame(number) => format!("frame {number} of {frames}"),
+                Next::Whole => "joining, and meeting the lines".into(),
+                Next::Character => "looking for motions that land on the character".into(),
+            }));
+        }
         ControlFlow::Continue(0)
     }
 }
