@@ -98,7 +98,7 @@ fn drawn_boards_are_certified_on_a_character() {
     }
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    for name in ["kick", "jump"] {
+    for name in ["kick", "jump", "turn-and-run"] {
         let file = format!("{name}.json");
         std::fs::write(folder.join(&file), inkrig::samples::find(&file).unwrap().bytes).unwrap();
         let character = character.to_string_lossy();

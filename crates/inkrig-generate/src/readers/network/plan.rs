@@ -32,7 +32,7 @@ pub type Value = usize;
 /// What a layer does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// A convolution: patches `stride` apart, beginning `pad` before the border, through a linear layer; added to `skip`.
+    /// A convolution: patches `stride` apart, beginning `pad` before the border, through a linear layer; added to `skip` where there is one.
     Patch { kernel: [usize; 2], stride: [usize; 2], pad: [usize; 2], skip: Option<Value> },
     /// A block with a depthwise convolution of `kernel` x `kernel` and `hidden` channels inside.
     Block { kernel: usize, hidden: usize },
