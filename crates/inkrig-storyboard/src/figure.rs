@@ -6,14 +6,14 @@ use crate::page::{Page, bounds, distance};
 use inkrig_generate::readers::graph;
 use inkrig_generate::readers::ink::crop;
 use inkrig_generate::readers::network::Work;
-use inkrig_generate::readers::sketch::{JOINT_OF_KEY_POINT, KEY_POINTS, MARGIN, Reading, SIDE, SketchReader};
+use inkrig_generate::readers::sketch::{
+    JOINT_OF_KEY_POINT, KEY_POINTS, MARGIN, Reading, SIDE, SketchReader, UNSURE,
+};
 use inkrig_motion::humanml::{JOINTS, NAMES};
 use inkrig_sketch::storyboard::{Frame, SideChoice, Sides, Stroke};
 
 /// Below this likelihood a joint is taken for not drawn.
 const DRAWN: f32 = 0.5;
-/// A joint that is less sure is pointed out.
-const UNSURE: f32 = 0.35;
 /// Sides that are less sure than this, as a logarithm, are pointed out.
 const SURE: f32 = 1.0;
 /// Both ways to read that are farther apart than this share of the figure do not agree.

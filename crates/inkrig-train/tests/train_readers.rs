@@ -25,7 +25,7 @@ fn corpus(desk: &Path) -> PathBuf {
 fn pace() -> Pace {
     Pace {
         steps: 24,
-        batch: 6,
+        batch: 10,
         warm_up: 3,
         measure_every: 12,
         measured: 10,

@@ -7,6 +7,8 @@ use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, PremultipliedColorU
 
 /// Pixels of the longer side.
 const SIDE: f32 = 900.0;
+/// Pixels of a side of one figure of a sheet.
+const TILE: u32 = 220;
 /// Key points that bones join: trunk, then the left side, then the right one.
 const BONES: [(usize, usize); 19] = [
     (0, 3),
@@ -30,6 +32,16 @@ const BONES: [(usize, usize); 19] = [
     (3, 2),
 ];
 
+/// A page and the joints that were found on it, pixels.
+pub(crate) struct Figure<'a> {
+    pub page: &'a Ink,
+    pub places: [[f32; 2]; KEY_POINTS],
+    /// How likely each is drawn, 0 to 1.
+    pub drawn: [f32; KEY_POINTS],
+    /// How sure its place is, 0 to 1.
+    pub sure: [f32; KEY_POINTS],
+}
+
 /// The page in grey, bones over it (left red, right blue), joints as discs: full ones are sure, pale ones are not.
 pub(crate) fn png(
     page: &Ink,
@@ -38,41 +50,115 @@ pub(crate) fn png(
 ) -> Result<Vec<u8>, SheetError> {
     let scale = SIDE / page.width.max(page.height).max(1) as f32;
     let size = |pixels: usize| ((pixels as f32 * scale).round() as u32).clamp(1, SIDE as u32);
-    let (width, height) = (size(page.width), size(page.height));
-    let failed = || SheetError::Png(format!("{width} x {height} pixels"));
-    let mut pixmap = Pixmap::new(width, height).ok_or_else(failed)?;
-    for (at, pixel) in pixmap.pixels_mut().iter_mut().enumerate() {
-        let along = |place: usize, most: usize| ((place as f32 / scale) as usize).min(most.saturating_sub(1));
-        let (x, y) = (along(at % width as usize, page.width), along(at / width as usize, page.height));
-        let ink = page.pixels.get(y * page.width + x).copied().unwrap_or(0.0);
-        let grey = (255.0 - 150.0 * ink) as u8;
-        *pixel = PremultipliedColorU8::from_rgba(grey, grey, grey, 255).unwrap_or(*pixel);
+    let mut pixmap = blank(size(page.width), size(page.height))?;
+    let figure = Figure { page, places: *places, drawn: reading.drawn, sure: reading.confidence };
+    figure.paint(&mut pixmap, [0, 0], scale);
+    encoded(&pixmap)
+}
+
+/// Figures in rows, each of a kind.
+pub(crate) fn sheet(rows: &[Vec<Figure<'_>>]) -> Result<Vec<u8>, SheetError> {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let mut pixmap = blank(TILE * columns as u32, TILE * rows.len() as u32)?;
+    for (row, figures) in rows.iter().enumerate() {
+        for (column, figure) in figures.iter().enumerate() {
+            let scale = TILE as f32 / figure.page.width.max(figure.page.height).max(1) as f32;
+            figure.paint(&mut pixmap, [column, row].map(|at| at * TILE as usize), scale);
+        }
     }
-    let colour = |point: usize, strength: f32| {
-        let [red, green, blue] = match point {
-            0 | 3 | 10 | 13 => [60, 60, 60],
-            1 | 4 | 6 | 8 | 11 | 14 | 16 => [200, 50, 40],
-            _ => [40, 80, 200],
-        };
-        Color::from_rgba8(red, green, blue, (255.0 * strength.clamp(0.2, 1.0)) as u8)
+    encoded(&pixmap)
+}
+
+fn blank(width: u32, height: u32) -> Result<Pixmap, SheetError> {
+    let mut pixmap =
+        Pixmap::new(width, height).ok_or_else(|| SheetError::Png(format!("{width} x {height} pixels")))?;
+    pixmap.fill(Color::WHITE);
+    Ok(pixmap)
+}
+
+fn encoded(pixmap: &Pixmap) -> Result<Vec<u8>, SheetError> {
+    pixmap
+        .encode_png()
+        .map_err(|error| SheetError::Png(format!("{} x {} pixels: {error}", pixmap.width(), pixmap.height())))
+}
+
+impl Figure<'_> {
+    /// With its upper left corner at a place of the picture.
+    fn paint(&self, pixmap: &mut Pixmap, corner: [usize; 2], scale: f32) {
+        let wide = pixmap.width() as usize;
+        let [right, down] =
+            [self.page.width, self.page.height].map(|size| (size as f32 * scale).round() as usize);
+        for y in 0..down.min((pixmap.height() as usize).saturating_sub(corner[1])) {
+            for x in 0..right.min(wide.saturating_sub(corner[0])) {
+                let along =
+                    |at: usize, most: usize| ((at as f32 / scale) as usize).min(most.saturating_sub(1));
+                let at = along(y, self.page.height) * self.page.width + along(x, self.page.width);
+                let grey = (255.0 - 150.0 * self.page.pixels.get(at).copied().unwrap_or(0.0)) as u8;
+                let pixel = &mut pixmap.pixels_mut()[(corner[1] + y) * wide + corner[0] + x];
+                *pixel = PremultipliedColorU8::from_rgba(grey, grey, grey, 255).unwrap_or(*pixel);
+            }
+        }
+        let size = scale * self.page.width.max(self.page.height) as f32 / SIDE;
+        let at = |point: usize| [0, 1].map(|axis| corner[axis] as f32 + self.places[point][axis] * scale);
+        let mut paint = Paint { anti_alias: true, ..Paint::default() };
+        for (from, to) in BONES {
+            let strength = self.drawn[from].min(self.drawn[to]);
+            let ([x, y], [a, b]) = (at(from), at(to));
+            let mut path = PathBuilder::new();
+            path.move_to(x, y);
+            path.line_to(a, b);
+            paint.set_color(colour(to, 0.7 * strength));
+            if let Some(path) = path.finish() {
+                let stroke = Stroke { width: (3.0 * size).max(1.5), ..Stroke::default() };
+                pixmap.stroke_path(&path, &paint, &stroke, Transform::identity(), None);
+            }
+        }
+        for point in 0..KEY_POINTS {
+            let [x, y] = at(point);
+            paint.set_color(colour(point, self.sure[point] * self.drawn[point]));
+            if let Some(disc) = PathBuilder::from_circle(x, y, (7.0 * size).max(2.5)) {
+                pixmap.fill_path(&disc, &paint, FillRule::Winding, Transform::identity(), None);
+            }
+        }
+    }
+}
+
+fn colour(point: usize, strength: f32) -> Color {
+    let [red, green, blue] = match point {
+        0 | 3 | 10 | 13 => [60, 60, 60],
+        1 | 4 | 6 | 8 | 11 | 14 | 16 => [200, 50, 40],
+        _ => [40, 80, 200],
     };
-    let mut paint = Paint { anti_alias: true, ..Paint::default() };
-    for (from, to) in BONES {
-        let strength = reading.drawn[from].min(reading.drawn[to]);
-        let mut path = PathBuilder::new();
-        path.move_to(places[from][0] * scale, places[from][1] * scale);
-        path.line_to(places[to][0] * scale, places[to][1] * scale);
-        paint.set_color(colour(to, 0.7 * strength));
-        if let Some(path) = path.finish() {
-            let stroke = Stroke { width: 3.0, ..Stroke::default() };
-            pixmap.stroke_path(&path, &paint, &stroke, Transform::identity(), None);
+    Color::from_rgba8(red, green, blue, (255.0 * strength.clamp(0.2, 1.0)) as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sheet_has_a_tile_for_every_figure() {
+        let mut page = Ink::new(40, 40);
+        page.pixels.fill(1.0);
+        let figure = |x: f32| {
+            let mut places = [[20.0, 20.0]; KEY_POINTS];
+            places[16] = [x, 10.0];
+            Figure { page: &page, places, drawn: [1.0; KEY_POINTS], sure: [1.0; KEY_POINTS] }
+        };
+        let bytes = sheet(&[vec![figure(10.0), figure(30.0)], vec![figure(20.0)]]).unwrap();
+        let seen = Pixmap::decode_png(&bytes).unwrap();
+        assert_eq!((seen.width(), seen.height()), (2 * TILE, 2 * TILE));
+        let unit = TILE as f32 / 40.0;
+        let colour = |x: f32, y: f32| {
+            let pixel = seen.pixel((x * unit) as u32, (y * unit) as u32).unwrap();
+            [pixel.red(), pixel.green(), pixel.blue()]
+        };
+        // Hands are red, in every tile at its own place; paper that no figure stands on is white.
+        for (x, y) in [(10.0, 10.0), (70.0, 10.0), (20.0, 50.0)] {
+            assert_eq!(colour(x, y), [200, 50, 40], "{x} {y}");
         }
+        assert_eq!(colour(30.0, 8.0), [105; 3]);
+        assert_eq!(colour(70.0, 60.0), [255; 3]);
+        assert!(sheet(&[]).is_err());
     }
-    for (point, place) in places.iter().enumerate() {
-        paint.set_color(colour(point, reading.confidence[point] * reading.drawn[point]));
-        if let Some(disc) = PathBuilder::from_circle(place[0] * scale, place[1] * scale, 7.0) {
-            pixmap.fill_path(&disc, &paint, FillRule::Winding, Transform::identity(), None);
-        }
-    }
-    pixmap.encode_png().map_err(|_| failed())
 }

@@ -4,17 +4,24 @@
 //! the 18 key points and whether each is drawn. [`picture`] puts the marks on paper as a scan would show them.
 
 mod body;
+mod character;
+mod choices;
 mod clutter;
 mod figure;
+mod head;
+mod limbs;
 mod page;
 mod pen;
 mod style;
+mod trunk;
 
 pub use body::{Proportions, Seen, seen};
+pub use character::{Clothes, Dress, Hair};
+pub use choices::{Face, Family, Feet, Hands, Limbs, Torso};
 pub use figure::{Drawn, draw};
 pub use page::{Conditions, Picture, picture};
 pub(crate) use page::{bounds, wear};
-pub use style::{Face, Family, Feet, Hands, Limbs, Style, Torso};
+pub use style::Style;
 
 use inkrig_generate::schedule::Noise;
 

@@ -15,6 +15,8 @@ pub(super) struct Pen<'a> {
     pub noise: &'a mut Noise,
     /// Width of the next lines, as a multiple of the style's.
     pub width: f32,
+    /// How dark the insides of the next outlines are, if they are filled.
+    pub fill: Option<f32>,
 }
 
 impl Pen<'_> {
@@ -39,12 +41,7 @@ impl Pen<'_> {
     /// A closed line; its ends overlap or miss each other a little.
     pub(super) fn outline(&mut self, around: &[Vec2], marks: &mut Vec<Mark>) {
         let Some(&first) = around.first() else { return };
-        if let Some(fill) = self.style.fill {
-            let ink = fill * self.noise.between(0.85, 1.0);
-            self.area(around, ink, marks);
-        } else if self.style.hides {
-            self.area(around, 0.0, marks);
-        }
+        self.inside(around, marks);
         for repeat in 0..self.style.repeats {
             let ink =
                 if repeat == 0 { self.style.ink } else { self.style.ink * self.noise.between(0.4, 1.0) };
@@ -59,6 +56,16 @@ impl Pen<'_> {
                 way.push(first);
             }
             self.stroke(&way, self.style.wobble * 0.6, ink, marks);
+        }
+    }
+
+    /// What an outline holds: ink, or paper that hides what was drawn before.
+    pub(super) fn inside(&mut self, around: &[Vec2], marks: &mut Vec<Mark>) {
+        if let Some(fill) = self.fill {
+            let ink = fill * self.noise.between(0.85, 1.0);
+            self.area(around, ink, marks);
+        } else if self.style.hides {
+            self.area(around, 0.0, marks);
         }
     }
 

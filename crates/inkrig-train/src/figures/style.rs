@@ -1,107 +1,8 @@
 //! How somebody draws.
 
-use super::{Chance, Proportions};
+use super::character::{Dress, dressed};
+use super::{Chance, Face, Family, Feet, Hands, Limbs, Proportions, Torso};
 use inkrig_generate::schedule::Noise;
-
-/// Kinds of drawings. [`Family::Naive`] is never learned from: with its pen, its proportions and its hand together it stands for
-/// drawings of people whom the reader has not met.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Family {
-    /// One line a limb, as on a whiteboard.
-    Stick,
-    /// Thin searching lines, several over each other.
-    Pencil,
-    /// A thick even line.
-    Marker,
-    /// A line that swells and tapers, limbs as curves.
-    Gesture,
-    /// A jointed doll: ellipses, boxes and balls.
-    Mannequin,
-    /// Outlines of limbs that hide what is behind them.
-    Outline,
-    /// Bodies filled with ink or grey.
-    Filled,
-    /// A child's drawing; held out.
-    Naive,
-}
-
-impl Family {
-    /// Those to learn from.
-    pub const LEARNED: [Self; 7] = [
-        Self::Stick,
-        Self::Pencil,
-        Self::Marker,
-        Self::Gesture,
-        Self::Mannequin,
-        Self::Outline,
-        Self::Filled,
-    ];
-}
-
-/// How the trunk is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Torso {
-    /// A line along the spine.
-    Line,
-    /// An ellipse.
-    Ellipse,
-    /// Four corners.
-    Box,
-    /// A rounded outline with a waist.
-    Bean,
-    /// Chest and pelvis apart, with a line between.
-    TwoMasses,
-}
-
-/// How arms and legs are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Limbs {
-    /// One stroke with a corner at the joint.
-    Line,
-    /// One stroke without a corner.
-    Curve,
-    /// A stroke for each bone.
-    Segments,
-    /// An outline for each bone.
-    Capsules,
-}
-
-/// How hands are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Hands {
-    /// Not at all.
-    None,
-    /// A small ball.
-    Ball,
-    /// A few strokes.
-    Fingers,
-}
-
-/// How feet are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Feet {
-    /// Not at all: the toes cannot be read.
-    None,
-    /// A stroke.
-    Line,
-    /// A closed wedge or ellipse.
-    Wedge,
-}
-
-/// What is on the head.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Face {
-    /// Nothing.
-    None,
-    /// A nose that says where it looks.
-    Nose,
-    /// The cross that animators draw.
-    Cross,
-    /// Eyes and a mouth.
-    Eyes,
-    /// Hair at the back and on top.
-    Hair,
-}
 
 /// All choices of one drawing. Lengths are metres of a body of usual size.
 #[derive(Debug, Clone, PartialEq)]
@@ -152,6 +53,8 @@ pub struct Style {
     pub hides: bool,
     /// How dark the insides of outlines are, if they are filled.
     pub fill: Option<f32>,
+    /// What a [`Family::Character`] wears.
+    pub dress: Option<Dress>,
 }
 
 impl Style {
@@ -222,24 +125,32 @@ impl Style {
                 style.pen = noise.between(0.015, 0.04);
             }
             Family::Naive => naive(&mut style, noise),
+            Family::Character => dressed(&mut style, noise),
         }
         style
     }
 
-    /// The same of somebody with stranger habits: bodies of other proportions, heads and pens of other sizes, a hand that shakes more. What
+    /// The same of somebody with stranger habits: bodies of other proportions, heads and pens of other sizes, other hands, lines that
+    /// shake more. What
     /// has learned from such drawings, too, follows the lines of people whom it has not met.
     pub fn varied(family: Family, noise: &mut Noise) -> Self {
         let mut style = Self::random(family, noise);
-        let body = &mut style.proportions;
-        for length in [&mut body.legs, &mut body.spine, &mut body.neck, &mut body.arms] {
-            *length = noise.between(0.6, 1.6);
+        // Characters have their own proportions and hands.
+        if style.dress.is_none() {
+            let body = &mut style.proportions;
+            for length in [&mut body.legs, &mut body.spine, &mut body.neck, &mut body.arms] {
+                *length = noise.between(0.6, 1.6);
+            }
+            body.feet *= noise.between(0.7, 1.4);
+            style.hands = noise
+                .pick(&[(Hands::None, 2.0), (Hands::Ball, 1.5), (Hands::Fingers, 1.5), (Hands::Palm, 0.5)])
+                .unwrap_or(Hands::None);
         }
-        body.feet *= noise.between(0.7, 1.4);
-        style.head *= noise.between(0.7, 1.35);
+        style.head *= noise.between(0.7, 1.5);
         style.head_height *= noise.between(0.85, 1.15);
-        style.pen *= noise.between(0.7, 1.5);
-        style.wobble *= noise.between(1.0, 1.6);
-        style.jitter *= noise.between(1.0, 1.6);
+        style.pen *= noise.between(0.65, 1.7);
+        style.wobble *= noise.between(1.0, 1.7);
+        style.jitter += if noise.happens(0.4) { noise.between(0.0, 0.008) } else { 0.0 };
         style
     }
 
@@ -302,6 +213,7 @@ impl Style {
                 .unwrap_or(Feet::Line),
             hides: false,
             fill: None,
+            dress: None,
         }
     }
 }

@@ -77,6 +77,78 @@ fn varied_figures_are_of_their_family_and_readable() {
 }
 
 #[test]
+fn characters_are_dressed_and_their_key_points_lie_in_the_figure() {
+    let pose = seen(&standing(), &Camera::default(), 0.0);
+    let (mut hair, mut clothes, mut limbs) = (Vec::new(), Vec::new(), Vec::new());
+    let mut bare = 0;
+    for seed in 0..200 {
+        let make = |seed: u64| {
+            let mut noise = Noise::new(seed);
+            let style = Style::random(Family::Character, &mut noise);
+            let drawn = draw(&pose, &style, &mut noise);
+            (picture(&drawn, &Conditions::LEARNED, &mut noise), style)
+        };
+        let (picture, style) = make(seed);
+        assert_eq!(picture, make(seed).0);
+        let dress = style.dress.unwrap();
+        hair.push(dress.hair);
+        clothes.push(dress.clothes);
+        limbs.push(style.limbs);
+        for (point, [x, y]) in picture.places.into_iter().enumerate().filter(|(at, _)| picture.drawn[*at]) {
+            let inside = (0.0..SIDE as f32).contains(&x) && (0.0..SIDE as f32).contains(&y);
+            assert!(inside, "{seed} {point}: {x} {y}");
+            // Around the end of a limb there is a line, be it that of a wide sleeve.
+            let near = (0..SIDE * SIDE).any(|at| {
+                let off = ((at % SIDE) as f32 + 0.5 - x).hypot((at / SIDE) as f32 + 0.5 - y);
+                off < 10.0 && picture.ink.pixels[at] > 0.2
+            });
+            bare += usize::from(matches!(point, 6 | 7 | 16 | 17) && !near);
+        }
+        // The head is above the neck, whatever its size.
+        assert!(picture.places[13][1] < picture.places[10][1], "{seed}");
+    }
+    assert!(bare < 10, "{bare}");
+    for of in [Hair::None, Hair::Spikes, Hair::Tails, Hair::Long, Hair::Cap, Hair::Hat] {
+        assert!(hair.contains(&of), "{of:?}");
+    }
+    for of in [Clothes::None, Clothes::Belt, Clothes::Skirt, Clothes::Buttons, Clothes::Stripes] {
+        assert!(clothes.contains(&of), "{of:?}");
+    }
+    assert!(limbs.contains(&Limbs::Tubes) && limbs.contains(&Limbs::Line));
+}
+
+#[test]
+fn a_skirt_hides_what_is_behind_it() {
+    let pose = seen(&standing(), &Camera::new(0.0, 0.0), 0.0);
+    // Areas of paper from above the pelvis, which is the origin, to below the hips: by how many marks before and behind them.
+    let skirts = |clothes: Clothes| {
+        let mut noise = Noise::new(2);
+        let mut style = Style::random(Family::Character, &mut noise);
+        style.proportions = Proportions::default();
+        (style.hides, style.limbs, style.torso) = (true, Limbs::Line, Torso::Ellipse);
+        style.dress = style.dress.map(|dress| Dress { clothes, shaded: 0.0, striped: 0.0, ..dress });
+        let drawn = draw(&pose, &style, &mut noise);
+        let hides = |mark: &Mark| match mark {
+            Mark::Area { outlines, ink } => {
+                let heights = || outlines.iter().flatten().map(|at| at[1]);
+                let low = heights().fold(f32::INFINITY, f32::min);
+                *ink == 0.0 && low < -0.1 && heights().fold(f32::NEG_INFINITY, f32::max) > 0.0
+            }
+            Mark::Stroke { .. } => false,
+        };
+        let legs = |mark: &Mark| match mark {
+            Mark::Stroke { points, .. } => points.iter().any(|at| at[1] < -0.5),
+            Mark::Area { .. } => false,
+        };
+        let place = |of: &dyn Fn(&Mark) -> bool| drawn.marks.iter().rposition(of);
+        (place(&hides), place(&legs))
+    };
+    let (skirt, legs) = skirts(Clothes::Skirt);
+    assert!(skirt.is_some() && legs.is_some() && skirt > legs, "{skirt:?} {legs:?}");
+    assert_eq!(skirts(Clothes::Buttons).0, None);
+}
+
+#[test]
 fn proportions_change_lengths_and_nothing_else() {
     let pose = seen(&standing(), &Camera::new(0.0, 0.0), 0.0);
     let same = Proportions::default().apply(&pose);

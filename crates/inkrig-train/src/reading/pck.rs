@@ -28,11 +28,13 @@ pub enum Subset {
     Unseen,
     /// Filled and outlined bodies, all with other marks on the page.
     Clutter,
+    /// Characters with bodies and clothes, half of them upright with their arms out.
+    Characters,
 }
 
 impl Subset {
     /// All.
-    pub const ALL: [Self; 4] = [Self::Learned, Self::AnySide, Self::Unseen, Self::Clutter];
+    pub const ALL: [Self; 5] = [Self::Learned, Self::AnySide, Self::Unseen, Self::Clutter, Self::Characters];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -41,6 +43,7 @@ impl Subset {
             Self::AnySide => "learned styles, seen from any side",
             Self::Unseen => "unseen style",
             Self::Clutter => "filled or outlined bodies with clutter",
+            Self::Characters => "characters with bodies and clothes",
         }
     }
 }
@@ -77,9 +80,11 @@ pub fn rendered(poses: &Poses, subset: Subset, count: usize, seed: u64) -> Vec<P
         Subset::Learned | Subset::AnySide => &Family::LEARNED,
         Subset::Unseen => &[Family::Naive],
         Subset::Clutter => &[Family::Filled, Family::Outline],
+        Subset::Characters => &[Family::Character],
     };
     let turned = if subset == Subset::AnySide { 1.0 } else { 0.0 };
-    let shares = Shares { turned, ..Shares::default() };
+    let characters = if subset == Subset::Characters { 1.0 } else { 0.0 };
+    let shares = Shares { turned, characters, ..Shares::default() };
     let one = |at: usize| {
         let mut noise = Noise::new(seed.wrapping_mul(0x2545_F491_4F6C_DD1D).wrapping_add(at as u64));
         noise.uniform();

@@ -124,6 +124,7 @@ struct Run {
     matrices: Vec<Matrix>,
     moments: Moments,
     state: State,
+    rooms: Vec<Room>,
 }
 
 impl Run {
@@ -148,7 +149,7 @@ impl Run {
         let network =
             Network::taught(plan, &weights).map_err(|error| TrainError::Device(error.to_string()))?;
         let average = average.unwrap_or_else(|| weights.clone());
-        Ok(Self { network, weights, average, matrices, moments, state })
+        Ok(Self { network, weights, average, matrices, moments, state, rooms: Vec::new() })
     }
 
     /// The network as it is run.
@@ -167,26 +168,26 @@ impl Run {
         let groups = pace.batch.div_ceil(GROUP);
         let threads = task.threads.clamp(1, groups);
         let network = &self.network;
-        let mut parts: Vec<(usize, Vec<f32>, f64)> = std::thread::scope(|scope| {
-            let workers: Vec<_> = (0..threads)
-                .map(|thread| {
+        self.rooms.resize_with(threads, Room::default);
+        let ended = std::thread::scope(|scope| {
+            let rooms = self.rooms.iter_mut().enumerate();
+            let workers: Vec<_> = rooms
+                .map(|(thread, room)| {
                     scope.spawn(move || {
-                        let mut work = Work::default();
-                        let own = (thread..groups).step_by(threads);
-                        own.map(|group| group_gradient(lesson, network, pace, step, group, &mut work))
-                            .collect::<Vec<_>>()
+                        for (at, group) in (thread..groups).step_by(threads).enumerate() {
+                            room.group_gradient(lesson, network, pace, step, (at, group));
+                        }
                     })
                 })
                 .collect();
-            workers.into_iter().filter_map(|worker| worker.join().ok()).flatten().collect()
+            workers.into_iter().filter_map(|worker| worker.join().ok()).count()
         });
-        if parts.len() != groups {
+        if ended != threads {
             return Err(TrainError::Device("a thread of the training broke off".into()));
         }
-        parts.sort_by_key(|(group, _, _)| *group);
         let (mut gradient, mut loss) = (vec![0.0_f32; self.weights.len()], 0.0);
         let share = 1.0 / pace.batch as f32;
-        for (_, part, own) in &parts {
+        for (part, own) in (0..groups).map(|group| &self.rooms[group % threads].groups[group / threads]) {
             gradient.iter_mut().zip(part).for_each(|(sum, part)| *sum += share * part);
             loss += own / pace.batch as f64;
         }
@@ -242,24 +243,36 @@ fn first_weights(plan: &Plan, task: &Task<'_>) -> Vec<f32> {
     row
 }
 
-/// The gradients of a few examples. What they are belongs to the seed and their number alone.
-fn group_gradient<L: Lesson>(
-    lesson: &L,
-    network: &Network,
-    pace: &Pace,
-    step: u64,
-    group: usize,
-    work: &mut Work,
-) -> (usize, Vec<f32>, f64) {
-    let mut gradient = vec![0.0; network.plan().numbers()];
-    let mut sum = 0.0;
-    for at in group * GROUP..((group + 1) * GROUP).min(pace.batch) {
-        let number = step * pace.batch as u64 + at as u64;
-        let mut noise = Noise::new(pace.seed.wrapping_add(number.wrapping_mul(0xD134_2543_DE82_EF95)));
-        noise.uniform();
-        sum += lesson.example(network, &mut noise, work, &mut gradient);
+/// What a thread works with, made once: to take so much memory anew at every step takes its time.
+#[derive(Default)]
+struct Room {
+    work: Work,
+    /// Gradients and losses of the groups that were this thread's.
+    groups: Vec<(Vec<f32>, f64)>,
+}
+
+impl Room {
+    /// The gradients of a few examples, as the `at`-th group here. What they are belongs to the seed and their number alone.
+    fn group_gradient<L: Lesson>(
+        &mut self,
+        lesson: &L,
+        network: &Network,
+        pace: &Pace,
+        step: u64,
+        (at, group): (usize, usize),
+    ) {
+        self.groups.resize_with(self.groups.len().max(at + 1), Default::default);
+        let (gradient, loss) = &mut self.groups[at];
+        gradient.clear();
+        gradient.resize(network.plan().numbers(), 0.0);
+        *loss = 0.0;
+        for at in group * GROUP..((group + 1) * GROUP).min(pace.batch) {
+            let number = step * pace.batch as u64 + at as u64;
+            let mut noise = Noise::new(pace.seed.wrapping_add(number.wrapping_mul(0xD134_2543_DE82_EF95)));
+            noise.uniform();
+            *loss += lesson.example(network, &mut noise, &mut self.work, gradient);
+        }
     }
-    (group, gradient, sum)
 }
 
 fn append<R: Serialize>(path: &Path, row: &R) -> Result<(), TrainError> {

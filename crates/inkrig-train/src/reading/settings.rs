@@ -61,13 +61,15 @@ pub struct SketchSettings {
     pub turned: f64,
     /// Share of figures of stranger proportions and habits than those of learned styles that are measured on.
     pub varied: f64,
+    /// Share of characters with bodies and clothes among the figures.
+    pub characters: f64,
     /// Weights to begin with, as far as their tensors fit; all others begin at random, but what new blocks add begins at zero.
     pub from: Option<PathBuf>,
 }
 
 impl Default for SketchSettings {
     fn default() -> Self {
-        Self { pace: Pace::default(), bent: 0.3, turned: 0.15, varied: 0.5, from: None }
+        Self { pace: Pace::default(), bent: 0.3, turned: 0.15, varied: 0.5, characters: 0.15, from: None }
     }
 }
 
@@ -125,7 +127,9 @@ impl SketchSettings {
     }
 
     pub(super) fn check(&self) -> Result<(), String> {
-        shares([("bent", self.bent), ("turned", self.turned), ("varied", self.varied)]).and(self.pace.check())
+        let Self { bent, turned, varied, characters, .. } = *self;
+        let all = [("bent", bent), ("turned", turned), ("varied", varied), ("characters", characters)];
+        shares(all).and(self.pace.check())
     }
 
     pub(super) fn identity(&self) -> String {

@@ -31,6 +31,8 @@ pub struct SketchRow {
     pub pck_either_side: f64,
     /// PCK@0.1 of held-out subjects in the held-out style.
     pub pck_unseen: f64,
+    /// PCK@0.1 of held-out subjects as characters.
+    pub pck_characters: f64,
     /// Seconds of training, earlier runs included.
     pub seconds: f64,
 }
@@ -59,6 +61,7 @@ pub fn train_sketch(
         outputs,
         learned: measured(Subset::Learned),
         unseen: measured(Subset::Unseen),
+        characters: measured(Subset::Characters),
     };
     let from = settings.from.as_deref().map(weights).transpose()?;
     let header = Header::new("sketch");
@@ -79,14 +82,15 @@ struct SketchLesson<'a> {
     outputs: Outputs,
     learned: Vec<Picture>,
     unseen: Vec<Picture>,
+    characters: Vec<Picture>,
 }
 
 impl Lesson for SketchLesson<'_> {
     type Row = SketchRow;
 
     fn example(&self, network: &Network, noise: &mut Noise, work: &mut Work, gradient: &mut [f32]) -> f64 {
-        let SketchSettings { bent, turned, varied, .. } = *self.settings;
-        let shares = Shares { bent, turned, varied };
+        let SketchSettings { bent, turned, varied, characters, .. } = *self.settings;
+        let shares = Shares { bent, turned, varied, characters };
         let picture = self.poses.picture(&Family::LEARNED, &Conditions::LEARNED, &shares, noise);
         network.forward(&picture.ink.pixels, work);
         let mut loss = Loss::default();
@@ -100,9 +104,10 @@ impl Lesson for SketchLesson<'_> {
         let reader = SketchReader::of(network.clone(), self.outputs);
         let own = measure(&reader, &self.learned);
         let At { step, loss, rate, seconds } = at;
-        let pck_unseen = measure(&reader, &self.unseen).pck;
+        let [pck_unseen, pck_characters] =
+            [&self.unseen, &self.characters].map(|pictures| measure(&reader, pictures).pck);
         let (pck, pck_either_side) = (own.pck, own.pck_either_side);
-        (1.0 - pck, SketchRow { step, loss, rate, pck, pck_either_side, pck_unseen, seconds })
+        (1.0 - pck, SketchRow { step, loss, rate, pck, pck_either_side, pck_unseen, pck_characters, seconds })
     }
 
     fn step_of(row: &SketchRow) -> u64 {

@@ -7,8 +7,8 @@ pub(super) const EXAMPLES: &str = "\
 Examples:
   inkrig evaluate sketch --corpus corpus
       how well joints are found in drawings of people who were not trained on, and in a style that was not
-  inkrig evaluate sketch --drawings drawings
-      the same on drawings whose joints somebody marked
+  inkrig evaluate sketch --drawings drawings --sheet seen.png
+      the same on drawings whose joints somebody marked, with a picture of what was found
   inkrig evaluate word --fonts fonts
       how well words are read in fonts that were not trained on";
 
@@ -30,6 +30,12 @@ pub struct EvaluateSketchArgs {
     /// Measure the reading by lines, without weights
     #[arg(long, conflicts_with = "weights")]
     pub lines: bool,
+    /// The first drawings of every kind with the joints that were found, a row each, and the marked ones below, as PNG
+    #[arg(long, value_name = "FILE.png", value_hint = ValueHint::FilePath)]
+    pub sheet: Option<PathBuf>,
+    /// Replace a file that is there already
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// Arguments of `inkrig evaluate word`.

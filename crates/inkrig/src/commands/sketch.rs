@@ -11,15 +11,13 @@ use crate::readers;
 use inkrig_generate::readers::graph::{self, StrokeGraph};
 use inkrig_generate::readers::ink::{Crop, Ink, crop};
 use inkrig_generate::readers::network::Work;
-use inkrig_generate::readers::sketch::{JOINT_OF_KEY_POINT, KEY_POINTS, MARGIN, Reading, SIDE};
+use inkrig_generate::readers::sketch::{JOINT_OF_KEY_POINT, KEY_POINTS, MARGIN, Reading, SIDE, UNSURE};
 use inkrig_generate::readers::word;
 use inkrig_motion::humanml::NAMES;
 use serde::Serialize;
 
 /// A figure's lines and the network's joints that are farther apart than this share of the figure do not agree.
 const APART: f32 = 0.12;
-/// A joint that is less sure than this is pointed out.
-const UNSURE: f32 = 0.5;
 
 pub(super) fn run(args: &SketchArgs, console: &Console) -> Result<(), CliError> {
     match &args.command {

@@ -1,7 +1,9 @@
 //! From heat maps to places.
 
+use super::limbs::together;
 use super::{CELLS, KEY_POINTS, MIRRORED, SIDE};
 use crate::numeric::elementwise::exp;
+use crate::readers::ink::Ink;
 
 /// Cells around the hottest one that its place is the mean of.
 const AROUND: usize = 2;
@@ -33,8 +35,10 @@ impl Reading {
     }
 }
 
-/// Reads heat maps ([`CELLS`] x [`CELLS`] x [`KEY_POINTS`]) and the logits of presence.
-pub fn decode(heat: &[f32], presence: &[f32]) -> Reading {
+/// Reads heat maps ([`CELLS`] x [`CELLS`] x [`KEY_POINTS`]) and the logits of presence of a crop ([`SIDE`] x [`SIDE`] pixels). Every
+/// key point is where its map is hottest, but for those of limbs that are likely in more than one place: of these, those that belong
+/// together by the lines between them, and `confidence` is the share of heat there.
+pub fn decode(heat: &[f32], presence: &[f32], ink: &Ink) -> Reading {
     let mut reading = Reading {
         places: [[0.5 * SIDE as f32; 2]; KEY_POINTS],
         confidence: [0.0; KEY_POINTS],
@@ -49,6 +53,7 @@ pub fn decode(heat: &[f32], presence: &[f32]) -> Reading {
         reading.confidence[point] = share;
         reading.drawn[point] = 1.0 / (1.0 + exp(-presence.get(point).copied().unwrap_or(0.0)));
     }
+    together(&maps, ink, &mut reading);
     let at = |map: &[f32], place: [f32; 2]| {
         let cell = |along: f32| ((along / CELL) as usize).min(CELLS - 1);
         map.get(cell(place[1]) * CELLS + cell(place[0])).copied().unwrap_or(0.0).max(-12.0)
@@ -76,23 +81,35 @@ fn logarithms(heat: &[f32], point: usize) -> Vec<f32> {
 }
 
 /// The mean place around the hottest cell, pixels, and the share of heat there.
-fn hottest(map: &[f32]) -> ([f32; 2], f32) {
-    let hottest = map.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(at, _)| at);
-    let (row, column) = (hottest / CELLS, hottest % CELLS);
-    let around = |at: usize| at.saturating_sub(AROUND)..(at + AROUND + 1).min(CELLS);
+pub(super) fn hottest(map: &[f32]) -> ([f32; 2], f32) {
     let (mut sum, mut place) = (0.0, [0.0; 2]);
-    for y in around(row) {
-        for x in around(column) {
-            let share = exp(map.get(y * CELLS + x).copied().unwrap_or(f32::NEG_INFINITY));
-            sum += share;
-            place[0] += share * (x as f32 + 0.5);
-            place[1] += share * (y as f32 + 0.5);
-        }
+    for (x, y) in around_the_hottest(map) {
+        let share = exp(map.get(y * CELLS + x).copied().unwrap_or(f32::NEG_INFINITY));
+        sum += share;
+        place[0] += share * (x as f32 + 0.5);
+        place[1] += share * (y as f32 + 0.5);
     }
     if sum > 0.0 {
         place.iter_mut().for_each(|along| *along *= CELL / sum);
     }
     (place, sum.min(1.0))
+}
+
+/// Takes away what [`hottest`] found.
+pub(super) fn cool(map: &mut [f32]) {
+    for (x, y) in around_the_hottest(map) {
+        if let Some(number) = map.get_mut(y * CELLS + x) {
+            *number = f32::NEG_INFINITY;
+        }
+    }
+}
+
+/// Columns and rows of the cells around the hottest one.
+fn around_the_hottest(map: &[f32]) -> impl Iterator<Item = (usize, usize)> + use<> {
+    let hottest = map.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(at, _)| at);
+    let (row, column) = (hottest / CELLS, hottest % CELLS);
+    let around = |at: usize| at.saturating_sub(AROUND)..(at + AROUND + 1).min(CELLS);
+    around(row).flat_map(move |y| around(column).map(move |x| (x, y)))
 }
 
 #[cfg(test)]
@@ -114,7 +131,7 @@ mod tests {
         warm(7, 10.3, 20.6, 11.0);
         let mut presence = vec![3.0; KEY_POINTS];
         presence[9] = -3.0;
-        let reading = decode(&heat, &presence);
+        let reading = decode(&heat, &presence, &Ink::new(SIDE, SIDE));
         let off = (reading.places[6][0] - 41.2).hypot(reading.places[6][1] - 82.4);
         assert!(off < 1.5, "{:?}", reading.places[6]);
         assert!(reading.confidence[6] > 0.9 && reading.confidence[0] < 0.1);

@@ -1,6 +1,7 @@
 //! The joints of a drawn figure, by a network that was shown many rendered ones.
 
 mod decode;
+mod limbs;
 mod plan;
 
 pub use decode::{Reading, decode};
@@ -13,6 +14,9 @@ use crate::weights::Tensors;
 
 /// Key points of a drawn figure.
 pub const KEY_POINTS: usize = 18;
+
+/// A joint that is less sure than this is to be pointed out: about half of such lie within a tenth of the torso of where they are.
+pub const UNSURE: f32 = 0.6;
 
 /// Which of the 22 joints they are, in order: those that a drawing has, see [`inkrig_motion::humanml::augment`].
 pub const JOINT_OF_KEY_POINT: [usize; KEY_POINTS] =
@@ -58,7 +62,7 @@ impl SketchReader {
             cells.for_each(|(own, other)| add_mirrored(own, other));
         }
         add_mirrored(&mut presence, work.value(self.outputs.presence));
-        decode(&heat, &presence)
+        decode(&heat, &presence, crop)
     }
 }
 

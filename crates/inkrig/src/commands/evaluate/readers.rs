@@ -4,13 +4,14 @@ use crate::cli::{EvaluateSketchArgs, EvaluateWordArgs};
 use crate::console::Console;
 use crate::drawing::ink;
 use crate::error::CliError;
+use crate::joints_picture::{self, Figure};
+use crate::output::Output;
 use crate::printable::fixed;
 use crate::{load, readers};
 use inkrig_generate::readers::graph;
-use inkrig_generate::readers::ink::{Ink, crop};
+use inkrig_generate::readers::ink::{Crop, Ink, crop};
 use inkrig_generate::readers::network::Work;
-use inkrig_generate::readers::sketch::JOINT_OF_KEY_POINT;
-use inkrig_generate::readers::sketch::{MARGIN, SIDE, SketchReader};
+use inkrig_generate::readers::sketch::{JOINT_OF_KEY_POINT, KEY_POINTS, MARGIN, SIDE, SketchReader};
 use inkrig_motion::humanml::NAMES;
 use inkrig_train::corpus::{Manifest, Split};
 use inkrig_train::lettering::read_fonts;
@@ -23,6 +24,9 @@ use std::path::Path;
 
 /// The seed of drawings to measure on.
 const SEED: u64 = 2024;
+
+/// Drawings of each kind on a sheet.
+const SHOWN: usize = 8;
 
 /// What was measured; the names are stable.
 #[derive(Serialize)]
@@ -49,15 +53,24 @@ struct DrawingRow {
 }
 
 pub(super) fn sketch(args: &EvaluateSketchArgs, console: &Console) -> Result<(), CliError> {
+    let output = Output { force: args.force };
+    if let Some(path) = &args.sheet {
+        output.check(path)?;
+    }
     let reader = if args.lines { None } else { Some(readers::sketch(args.weights.as_deref())?) };
     let mut work = Work::default();
     let mut find = |ink: &Ink| find(reader.as_ref(), ink, &mut work);
-    let (mut rows, mut drawings) = (Vec::new(), Vec::new());
+    let (mut rows, mut drawings, mut seen) = (Vec::new(), Vec::new(), Vec::new());
     if let Some(corpus) = &args.corpus {
         let poses = Poses::read(&Manifest::read(corpus)?, Split::Test)?;
         for subset in Subset::ALL {
             let stage = console.stage(format!("drawing and reading: {}", subset.name()));
-            let pck = measure_by(&mut find, &rendered(&poses, subset, args.count as usize, SEED));
+            let pictures = rendered(&poses, subset, args.count as usize, SEED);
+            let pck = measure_by(&mut find, &pictures);
+            if args.sheet.is_some() {
+                let shown = pictures.into_iter().take(SHOWN).map(|picture| picture.ink);
+                seen.push(shown.map(|ink| (find(&ink), ink)).collect::<Vec<_>>());
+            }
             drop(stage);
             console.say(line(subset.name(), &pck))?;
             rows.push(Row { what: subset.name(), pck });
@@ -66,13 +79,19 @@ pub(super) fn sketch(args: &EvaluateSketchArgs, console: &Console) -> Result<(),
             console.say(by_point(&row.pck))?;
         }
     }
+    let mut pages = Vec::new();
     for (name, marked) in marked(args.drawings.as_deref())? {
-        let row = read_marked(&name, &marked, &mut find)?;
+        let (row, page) = read_marked(&name, &marked, &mut find)?;
+        pages.extend(page.filter(|_| args.sheet.is_some()));
         console.say(format!(
             "{name}: {} of {} marked joints within a tenth of the torso, {} within a fifth",
             row.found, row.joints, row.found_within_a_fifth
         ))?;
         drawings.push(row);
+    }
+    if let Some(path) = &args.sheet {
+        seen.extend(pages.chunks(SHOWN).map(<[_]>::to_vec));
+        output.write(path, &sheet(&seen)?)?;
     }
     console.result(&Record { rendered: rows, drawings })
 }
@@ -134,17 +153,34 @@ fn read_marked(
     name: &str,
     drawing: &MarkedDrawing,
     find: &mut dyn FnMut(&Ink) -> Found,
-) -> Result<DrawingRow, CliError> {
+) -> Result<(DrawingRow, Option<(Found, Ink)>), CliError> {
     let page = ink(&drawing.picture)?;
-    let places =
-        crop(&page, SIDE, MARGIN).map(|crop| find(&crop.ink).places.map(|place| crop.on_page(place)));
-    let score = |within: f32| places.as_ref().map_or(0, |places| measure_marked(drawing, places, within));
-    Ok(DrawingRow {
+    let seen = crop(&page, SIDE, MARGIN).map(|crop| (find(&crop.ink), crop));
+    let score = |within: f32| {
+        let score = |(found, crop): &(Found, Crop)| {
+            measure_marked(drawing, &found.places.map(|place| crop.on_page(place)), within)
+        };
+        seen.as_ref().map_or(0, score)
+    };
+    let row = DrawingRow {
         drawing: name.to_string(),
         joints: drawing.joints.len(),
         found: score(0.1),
         found_within_a_fifth: score(0.2),
-    })
+    };
+    Ok((row, seen.map(|(found, crop)| (found, crop.ink))))
+}
+
+fn sheet(rows: &[Vec<(Found, Ink)>]) -> Result<Vec<u8>, CliError> {
+    let figures: Vec<Vec<Figure<'_>>> = rows.iter().map(|row| row.iter().map(shown).collect()).collect();
+    Ok(joints_picture::sheet(&figures)?)
+}
+
+fn shown((found, page): &(Found, Ink)) -> Figure<'_> {
+    // Where no figure was found, its joints are nowhere.
+    let places = found.places.map(|place| place.map(|along| if along.is_finite() { along } else { 0.0 }));
+    let drawn = found.drawn.map(|drawn| if drawn { 1.0 } else { 0.0 });
+    Figure { page, places, drawn, sure: [1.0; KEY_POINTS] }
 }
 
 pub(super) fn word(args: &EvaluateWordArgs, console: &Console) -> Result<(), CliError> {

@@ -18,12 +18,13 @@ pub(super) fn sketch(corpus: &Path, pace: &PaceArgs, console: &Console) -> Resul
     let settings = pace.config.as_deref().map(SketchSettings::read).transpose()?.unwrap_or_default();
     let line = |row: &SketchRow| {
         format!(
-            "step {:>6}  loss {}  PCK@0.1 {} % ({} % either side), unseen style {} %  ({} min)",
+            "step {:>6}  loss {}  PCK@0.1 {} % ({} % either side), unseen style {} %, characters {} %  ({} min)",
             row.step,
             fixed(row.loss, 3),
             fixed(100.0 * row.pck, 1),
             fixed(100.0 * row.pck_either_side, 1),
             fixed(100.0 * row.pck_unseen, 1),
+            fixed(100.0 * row.pck_characters, 1),
             fixed(row.seconds / 60.0, 0)
         )
     };
