@@ -83,7 +83,7 @@ fn encoded(pixmap: &Pixmap) -> Result<Vec<u8>, SheetError> {
 }
 
 impl Figure<'_> {
-    /// With its upper left corner at a place of the picture.
+    /// With its upper left corner at a place of the picture. Joints that were found nowhere are left out.
     fn paint(&self, pixmap: &mut Pixmap, corner: [usize; 2], scale: f32) {
         let wide = pixmap.width() as usize;
         let [right, down] =
@@ -104,6 +104,9 @@ impl Figure<'_> {
         for (from, to) in BONES {
             let strength = self.drawn[from].min(self.drawn[to]);
             let ([x, y], [a, b]) = (at(from), at(to));
+            if [x, y, a, b].iter().any(|along| !along.is_finite()) {
+                continue;
+            }
             let mut path = PathBuilder::new();
             path.move_to(x, y);
             path.line_to(a, b);
@@ -115,6 +118,9 @@ impl Figure<'_> {
         }
         for point in 0..KEY_POINTS {
             let [x, y] = at(point);
+            if !(x.is_finite() && y.is_finite()) {
+                continue;
+            }
             paint.set_color(colour(point, self.sure[point] * self.drawn[point]));
             if let Some(disc) = PathBuilder::from_circle(x, y, (7.0 * size).max(2.5)) {
                 pixmap.fill_path(&disc, &paint, FillRule::Winding, Transform::identity(), None);
@@ -159,6 +165,9 @@ mod tests {
         }
         assert_eq!(colour(30.0, 8.0), [105; 3]);
         assert_eq!(colour(70.0, 60.0), [255; 3]);
+        let nowhere = Figure { places: [[f32::INFINITY; 2]; KEY_POINTS], ..figure(0.0) };
+        let seen = Pixmap::decode_png(&sheet(&[vec![nowhere]]).unwrap()).unwrap();
+        assert!(seen.pixels().iter().all(|pixel| pixel.red() == pixel.blue()));
         assert!(sheet(&[]).is_err());
     }
 }

@@ -42,6 +42,35 @@ fn a_figure_is_read_by_its_lines_as_lines_and_as_a_picture() {
 }
 
 #[test]
+fn a_sheet_shows_what_was_found_on_marked_drawings() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let one = folder.join("marked").join("one");
+    std::fs::create_dir_all(&one).unwrap();
+    std::fs::write(folder.join("figure.svg"), FIGURE).unwrap();
+    let drawn = inkrig(folder, &["sketch", "read", "figure.svg", "--picture", "marked/one/texture.png"]);
+    assert!(drawn.status.success(), "{}", text(&drawn.stderr));
+    let joint = |name: &str, x: f64, y: f64| format!("- loc:\n  - {x}\n  - {y}\n  name: {name}\n");
+    let marks = joint("hip", 450.0, 500.0) + &joint("torso", 450.0, 300.0) + &joint("neck", 450.0, 170.0);
+    std::fs::write(one.join("char_cfg.yaml"), marks).unwrap();
+    let arguments = ["evaluate", "sketch", "--drawings", "marked", "--sheet", "seen.png"];
+    let output = inkrig(folder, &arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("of 2 marked joints"), "{}", text(&output.stdout));
+    let sheet = std::fs::read(folder.join("seen.png")).unwrap();
+    let size = |at: usize| u32::from_be_bytes(sheet[at..at + 4].try_into().unwrap());
+    assert_eq!((&sheet[1..4], size(16), size(20)), (&b"PNG"[..], 220, 220));
+    assert_eq!(inkrig(folder, &arguments).status.code(), Some(1), "files are not replaced");
+    assert!(inkrig(folder, &[&arguments[..], &["--force"]].concat()).status.success());
+
+    // Nothing to show is said, and no sheet is written.
+    std::fs::create_dir(folder.join("empty")).unwrap();
+    let output = inkrig(folder, &["evaluate", "sketch", "--drawings", "empty", "--sheet", "none.png"]);
+    assert!(text(&output.stderr).contains("nothing was drawn"), "{}", text(&output.stderr));
+    assert!(!folder.join("none.png").exists());
+}
+
+#[test]
 fn what_cannot_be_read_is_said() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

@@ -19,6 +19,8 @@ const INK: f32 = 0.3;
 /// logarithms, like the heat.
 const BARE: f32 = 1.0;
 const LONG: f32 = 2.0;
+/// The most that speaks against one: what is nearly sure stays, whatever its bones look like.
+const MOST: f32 = 1.5;
 /// What speaks against the same joint of both sides being at one place, which is nearer than this share of the torso.
 const SAME: f32 = 0.5;
 const NEAR: f32 = 0.12;
@@ -120,7 +122,7 @@ impl Page<'_> {
             longest = longest.max(bare);
         }
         let bare = (longest as f32 * length / steps as f32 / self.torso).min(1.0);
-        BARE * bare + LONG * (length / self.torso - 1.0).clamp(0.0, 1.0)
+        (BARE * bare + LONG * (length / self.torso - 1.0).max(0.0)).min(MOST)
     }
 
     /// Whether there is ink at a place or beside it.
@@ -207,7 +209,7 @@ mod tests {
         assert!((reading.confidence[6] - 0.45).abs() < 0.02, "{}", reading.confidence[6]);
 
         // Sure joints stay where they are, though a line leads elsewhere.
-        warm(&mut heat, 6, &[([5.0, 5.0], 0.97), (one[2], 0.03)]);
+        warm(&mut heat, 6, &[([5.0, 5.0], 0.98), (one[2], 0.02)]);
         let reading = decode(&heat, &presence, &ink);
         assert!(apart(reading.places[6], [20.0, 20.0]) < 2.0, "{:?}", reading.places[6]);
     }

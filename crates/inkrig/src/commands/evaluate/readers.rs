@@ -91,7 +91,11 @@ pub(super) fn sketch(args: &EvaluateSketchArgs, console: &Console) -> Result<(),
     }
     if let Some(path) = &args.sheet {
         seen.extend(pages.chunks(SHOWN).map(<[_]>::to_vec));
-        output.write(path, &sheet(&seen)?)?;
+        if seen.is_empty() {
+            console.warn("nothing was drawn or found marked: no sheet");
+        } else {
+            output.write(path, &sheet(&seen)?)?;
+        }
     }
     console.result(&Record { rendered: rows, drawings })
 }
@@ -177,10 +181,8 @@ fn sheet(rows: &[Vec<(Found, Ink)>]) -> Result<Vec<u8>, CliError> {
 }
 
 fn shown((found, page): &(Found, Ink)) -> Figure<'_> {
-    // Where no figure was found, its joints are nowhere.
-    let places = found.places.map(|place| place.map(|along| if along.is_finite() { along } else { 0.0 }));
     let drawn = found.drawn.map(|drawn| if drawn { 1.0 } else { 0.0 });
-    Figure { page, places, drawn, sure: [1.0; KEY_POINTS] }
+    Figure { page, places: found.places, drawn, sure: [1.0; KEY_POINTS] }
 }
 
 pub(super) fn word(args: &EvaluateWordArgs, console: &Console) -> Result<(), CliError> {
