@@ -91,12 +91,14 @@ export class Stage {
 
   /** Another motion. Of the same character, the camera stays where it is. */
   show(motion: Motion): void {
-    const same = this.#motion !== null && sameBody(this.#motion, motion);
+    const before = this.#motion;
     this.#motion = motion;
-    if (!same) {
+    if (before === null || !sameBody(before, motion)) {
       this.#size = outline(motion);
       this.#build();
       this.frame();
+    } else if (before.body.size !== motion.body.size) {
+      this.#build();
     }
     this.#retrail();
     this.#redrawn();
@@ -365,8 +367,9 @@ function onto(pose: Float32Array, like: Float32Array, motion: Motion, out: Float
   return out;
 }
 
+/** Bones of motions that were made of a storyboard differ by a little from one to the next. */
 function sameBody(a: Motion, b: Motion): boolean {
-  return a.body === b.body || (a.body.names.length === b.body.names.length && a.body.names.every((name, i) => name === b.body.names[i]) && a.body.size === b.body.size);
+  return a.body === b.body || (a.body.names.length === b.body.names.length && a.body.names.every((name, i) => name === b.body.names[i]) && Math.abs(a.body.size - b.body.size) < 0.05 * a.body.size);
 }
 
 function sides(theme: Theme): Tint {
