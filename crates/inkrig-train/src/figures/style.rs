@@ -131,8 +131,7 @@ impl Style {
     }
 
     /// The same of somebody with stranger habits: bodies of other proportions, heads and pens of other sizes, other hands, lines that
-    /// shake more. What
-    /// has learned from such drawings, too, follows the lines of people whom it has not met.
+    /// shake more. What has learned from such drawings, too, follows the lines of people whom it has not met.
     pub fn varied(family: Family, noise: &mut Noise) -> Self {
         let mut style = Self::random(family, noise);
         // Characters have their own proportions and hands.

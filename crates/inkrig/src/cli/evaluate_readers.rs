@@ -30,7 +30,7 @@ pub struct EvaluateSketchArgs {
     /// Measure the reading by lines, without weights
     #[arg(long, conflicts_with = "weights")]
     pub lines: bool,
-    /// The first drawings of every kind with the joints that were found, a row each, and the marked ones below, as PNG
+    /// The first drawings of every kind with the joints that were found, a row each, and below the first marked ones, as PNG
     #[arg(long, value_name = "FILE.png", value_hint = ValueHint::FilePath)]
     pub sheet: Option<PathBuf>,
     /// Replace a file that is there already

@@ -27,6 +27,8 @@ const SEED: u64 = 2024;
 
 /// Drawings of each kind on a sheet.
 const SHOWN: usize = 8;
+/// Marked drawings on a sheet, in rows of as many.
+const MARKED_SHOWN: usize = 6 * SHOWN;
 
 /// What was measured; the names are stable.
 #[derive(Serialize)]
@@ -82,7 +84,9 @@ pub(super) fn sketch(args: &EvaluateSketchArgs, console: &Console) -> Result<(),
     let mut pages = Vec::new();
     for (name, marked) in marked(args.drawings.as_deref())? {
         let (row, page) = read_marked(&name, &marked, &mut find)?;
-        pages.extend(page.filter(|_| args.sheet.is_some()));
+        if args.sheet.is_some() && pages.len() < MARKED_SHOWN {
+            pages.extend(page);
+        }
         console.say(format!(
             "{name}: {} of {} marked joints within a tenth of the torso, {} within a fifth",
             row.found, row.joints, row.found_within_a_fifth
