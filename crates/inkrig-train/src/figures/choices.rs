@@ -36,6 +36,21 @@ impl Family {
         Self::Outline,
         Self::Filled,
     ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stick => "whiteboard sticks",
+            Self::Pencil => "pencil",
+            Self::Marker => "marker",
+            Self::Gesture => "gesture",
+            Self::Mannequin => "mannequin",
+            Self::Outline => "outlines",
+            Self::Filled => "filled bodies",
+            Self::Naive => "a child's felt pen",
+            Self::Character => "characters",
+        }
+    }
 }
 
 /// How the trunk is drawn.

@@ -17,8 +17,7 @@ const NECK: usize = 10;
 const PELVIS: usize = 0;
 
 /// What figures are measured on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Subset {
     /// Families that were learned, seen from the front half.
     Learned,
@@ -30,10 +29,12 @@ pub enum Subset {
     Clutter,
     /// Characters with bodies and clothes, half of them upright with their arms out.
     Characters,
+    /// One of the families that were learned, seen from the front half.
+    Only(Family),
 }
 
 impl Subset {
-    /// All.
+    /// All but single families.
     pub const ALL: [Self; 5] = [Self::Learned, Self::AnySide, Self::Unseen, Self::Clutter, Self::Characters];
 
     /// Its name.
@@ -44,6 +45,7 @@ impl Subset {
             Self::Unseen => "unseen style",
             Self::Clutter => "filled or outlined bodies with clutter",
             Self::Characters => "characters with bodies and clothes",
+            Self::Only(family) => family.name(),
         }
     }
 }
@@ -76,11 +78,12 @@ pub fn rendered(poses: &Poses, subset: Subset, count: usize, seed: u64) -> Vec<P
         Subset::Clutter => Conditions { clutter: 1.0, ..Conditions::READ },
         _ => Conditions::READ,
     };
-    let families: &[Family] = match subset {
+    let families: &[Family] = match &subset {
         Subset::Learned | Subset::AnySide => &Family::LEARNED,
         Subset::Unseen => &[Family::Naive],
         Subset::Clutter => &[Family::Filled, Family::Outline],
         Subset::Characters => &[Family::Character],
+        Subset::Only(family) => std::slice::from_ref(family),
     };
     let turned = if subset == Subset::AnySide { 1.0 } else { 0.0 };
     let characters = if subset == Subset::Characters { 1.0 } else { 0.0 };
@@ -170,6 +173,23 @@ fn apart([x, y]: [f32; 2], [a, b]: [f32; 2]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_single_style_is_drawn_alone_and_styles_have_names_of_their_own() {
+        let mut pose = [inkrig_motion::glam::Vec3::ZERO; 22];
+        pose.iter_mut().enumerate().for_each(|(at, joint)| joint.y = 0.1 * at as f32);
+        let poses = Poses::of(vec![pose]);
+        let shade = |family| {
+            let pictures = rendered(&poses, Subset::Only(family), 12, 3);
+            pictures.iter().flat_map(|picture| &picture.ink.pixels).sum::<f32>()
+        };
+        // Of one body a marker leaves more ink than a pencil.
+        assert!(shade(Family::Pencil) < shade(Family::Marker));
+        let names = Family::LEARNED.map(Family::name);
+        let others = Subset::ALL.map(Subset::name);
+        let all: std::collections::BTreeSet<&str> = names.iter().chain(&others).copied().collect();
+        assert_eq!(all.len(), names.len() + others.len());
+    }
 
     #[test]
     fn points_count_by_the_drawing_and_beside_it_by_the_pose() {

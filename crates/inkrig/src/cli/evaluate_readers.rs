@@ -7,6 +7,8 @@ pub(super) const EXAMPLES: &str = "\
 Examples:
   inkrig evaluate sketch --corpus corpus
       how well joints are found in drawings of people who were not trained on, and in a style that was not
+  inkrig evaluate sketch --corpus corpus --by-style --sheet styles.png
+      which styles of drawing are read best
   inkrig evaluate sketch --drawings drawings --sheet seen.png
       the same on drawings whose joints somebody marked, with a picture of what was found
   inkrig evaluate word --fonts fonts
@@ -24,6 +26,9 @@ pub struct EvaluateSketchArgs {
     /// Drawings of each kind
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub count: u32,
+    /// Each learned style by itself, too
+    #[arg(long, requires = "corpus")]
+    pub by_style: bool,
     /// Weights [default: those that come with the program]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub weights: Option<PathBuf>,

@@ -14,6 +14,7 @@ use inkrig_generate::readers::network::Work;
 use inkrig_generate::readers::sketch::{JOINT_OF_KEY_POINT, KEY_POINTS, MARGIN, SIDE, SketchReader};
 use inkrig_motion::humanml::NAMES;
 use inkrig_train::corpus::{Manifest, Split};
+use inkrig_train::figures::Family;
 use inkrig_train::lettering::read_fonts;
 use inkrig_train::reading::{
     Found, MarkedDrawing, Pck, Poses, Subset, WordSettings, measure_by, measure_marked, measure_words,
@@ -65,7 +66,8 @@ pub(super) fn sketch(args: &EvaluateSketchArgs, console: &Console) -> Result<(),
     let (mut rows, mut drawings, mut seen) = (Vec::new(), Vec::new(), Vec::new());
     if let Some(corpus) = &args.corpus {
         let poses = Poses::read(&Manifest::read(corpus)?, Split::Test)?;
-        for subset in Subset::ALL {
+        let single = if args.by_style { &Family::LEARNED[..] } else { &[] };
+        for subset in Subset::ALL.into_iter().chain(single.iter().copied().map(Subset::Only)) {
             let stage = console.stage(format!("drawing and reading: {}", subset.name()));
             let pictures = rendered(&poses, subset, args.count as usize, SEED);
             let pck = measure_by(&mut find, &pictures);
