@@ -114,7 +114,7 @@ pub fn read_motion(
 /// The same, and all other clips of the file in their order: it is parsed once for all.
 ///
 /// # Errors
-/// As [`read_motion`]; one clip that cannot be read is enough.
+/// As [`read_motion`]; one clip that cannot be read is enough. All clips together may have four times what one may.
 pub fn read_motions(
     bytes: &[u8],
     format: Format,

@@ -37,6 +37,35 @@ impl Limits {
     }
 }
 
+/// What all clips of one file may ask for together, keys and frames times joints: four times what one of them may. Clips can share their
+/// keys, so that a short file could name the same ones a thousand times.
+#[derive(Debug)]
+pub(crate) struct Together {
+    taken: usize,
+    limit: usize,
+}
+
+impl Together {
+    /// Of clips of which each may have `one`.
+    pub(crate) fn of(one: usize) -> Self {
+        Self { taken: 0, limit: one.saturating_mul(4) }
+    }
+
+    /// Takes some for a clip.
+    pub(crate) fn take(&mut self, more: usize) -> Result<(), FormatError> {
+        self.taken = self.taken.saturating_add(more);
+        if self.taken <= self.limit {
+            return Ok(());
+        }
+        Err(FormatError::Limit {
+            what: format!("the clips of the file have {} keys and rotations together, and more", self.taken),
+            limit: self.limit,
+            place: None,
+            hint: "name one of its clips, or put them into several files".into(),
+        })
+    }
+}
+
 impl Default for Limits {
     fn default() -> Self {
         Self { bytes: 512 << 20, joints: 16_384, name_bytes: 256, cells: 128 << 20 }

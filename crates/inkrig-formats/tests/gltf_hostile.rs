@@ -11,7 +11,7 @@
 mod common;
 
 use common::gltf::{Doc, glb};
-use inkrig_formats::{FormatError, ImportOptions, no_files, read_gltf};
+use inkrig_formats::{Format, FormatError, ImportOptions, no_files, read_gltf, read_motions};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
@@ -175,6 +175,32 @@ fn keys_that_are_shared_are_counted_each_time() {
     let (start, said) = (Instant::now(), error(&glb(json.to_string().as_bytes(), &bin)).to_string());
     assert!(said.starts_with("the clip has 2400000 keys and more, more than the limit of "), "{said}");
     assert!(start.elapsed() < Duration::from_secs(5));
+}
+
+#[test]
+fn clips_that_share_their_keys_are_counted_together() {
+    let clips = |count: usize| {
+        let mut doc = Doc::leg();
+        let times: Vec<f32> = (0..60_000).map(|frame| frame as f32 / 30.0).collect();
+        let places: Vec<f32> = times.iter().flat_map(|time| [0.0, 1.0, *time]).collect();
+        let [input, output] = [doc.floats("SCALAR", &times), doc.floats("VEC3", &places)];
+        for number in 0..count {
+            doc.animation(&format!("walk {number}"));
+            doc.channel_of(0, "translation", "LINEAR", input, output);
+        }
+        doc.glb()
+    };
+    let all = |bytes: &[u8]| read_motions(bytes, Format::Glb, &ImportOptions::default(), &no_files);
+    let (import, others) = all(&clips(9)).unwrap();
+    assert_eq!((import.clip.frames(), others.len(), import.clips.len()), (60_000, 8, 9));
+    assert!(others.iter().all(|clip| clip == &import.clip));
+    let many = clips(2000);
+    let start = Instant::now();
+    let said = all(&many).unwrap_err().to_string();
+    assert!(said.starts_with("the clips of the file have "), "{said}");
+    assert!(start.elapsed() < Duration::from_secs(5));
+    // One by one they are read.
+    assert!(read_gltf(&many, &ImportOptions::default(), &no_files).is_ok());
 }
 
 /// Two keys a thousand million seconds apart.

@@ -61,24 +61,6 @@ impl<'d> Channels<'d> {
         Some(Self { animation, used })
     }
 
-    /// Loads the buffers behind the channels.
-    pub(super) fn buffers<'a>(
-        &self,
-        document: &Document,
-        container: &Container<'a>,
-        options: &ImportOptions,
-        files: FileSource<'_>,
-    ) -> Result<Buffers<'a>, FormatError> {
-        let mut wanted = BTreeSet::new();
-        for (_, _, channel) in &self.used {
-            if let Some(sampler) = self.animation.samplers.0.get(channel.sampler as usize) {
-                wanted.extend(accessor::buffers_of(sampler.input, document));
-                wanted.extend(accessor::buffers_of(sampler.output, document));
-            }
-        }
-        Buffers::load(wanted, document, container, options, files)
-    }
-
     /// Opens the tracks; returns them and the times of their keys, rising, seconds.
     ///
     /// `bytes` is the size of the file: keys that several channels share may not make a short file long work.
@@ -116,4 +98,24 @@ impl<'d> Channels<'d> {
         times.dedup();
         Ok((tracks, times))
     }
+}
+
+/// Loads the buffers behind the channels of some clips, each once.
+pub(super) fn buffers<'a>(
+    clips: &[Channels<'_>],
+    document: &Document,
+    container: &Container<'a>,
+    options: &ImportOptions,
+    files: FileSource<'_>,
+) -> Result<Buffers<'a>, FormatError> {
+    let mut wanted = BTreeSet::new();
+    for clip in clips {
+        for (_, _, channel) in &clip.used {
+            if let Some(sampler) = clip.animation.samplers.0.get(channel.sampler as usize) {
+                wanted.extend(accessor::buffers_of(sampler.input, document));
+                wanted.extend(accessor::buffers_of(sampler.output, document));
+            }
+        }
+    }
+    Buffers::load(wanted, document, container, options, files)
 }

@@ -23,8 +23,11 @@ use crate::{
     Evidence, FileSource, Finding, Format, FormatError, Import, ImportOptions, Limits, Original, SourceInfo,
     clip_choice,
     figure::{Figure, Stage, clip_from_file},
+    limits::Together,
     timing::Timing,
 };
+use buffers::Buffers;
+use clips::Channels;
 use container::Container;
 use document::Document;
 use forest::Forest;
@@ -73,21 +76,35 @@ pub(crate) fn read_gltf_with(
     let stage = pose::stage(&figure, &forest, clip_from_file);
     let clips = clips::list(&document);
     let chosen = clip_choice::choose(&clips, options.clip.as_ref(), 0, &mut findings)?;
+    let mut wanted: Vec<usize> = chosen.into_iter().collect();
+    if others.is_some() {
+        wanted.extend((0..clips.len()).filter(|index| Some(*index) != chosen));
+    }
+    let channels: Vec<_> = wanted
+        .iter()
+        .filter_map(|&index| Channels::of(&document, index, &figure, &mut findings))
+        .collect();
+    let buffers = clips::buffers(&channels, &document, &container, options, files)?;
+    let size = bytes.len().saturating_add(buffers.bytes());
     let parts = Parts {
         document: &document,
-        container: &container,
+        buffers: &buffers,
         forest: &forest,
         clip_from_file,
         stage: &stage,
-        size: bytes.len(),
+        size,
     };
-    let clip = match chosen {
-        Some(index) => parts.clip(index, options, files, &mut findings)?,
+    let mut channels = channels.iter();
+    let clip = match channels.next() {
+        Some(channels) => parts.clip(channels, options, &mut findings)?.0,
         None => parts.rest_pose(options, &mut findings)?,
     };
     if let Some(others) = others {
-        for index in (0..clips.len()).filter(|index| Some(*index) != chosen) {
-            others.push(parts.clip(index, options, files, &mut findings)?);
+        let mut all = Together::of(options.limits.cells_for(size));
+        for channels in channels {
+            let (clip, keys) = parts.clip(channels, options, &mut findings)?;
+            all.take(keys.saturating_add(clip.frames() * clip.skeleton().len()))?;
+            others.push(clip);
         }
     }
     size_findings(&clip, &stage, &mut findings);
@@ -116,36 +133,31 @@ fn damaged(
     FormatError::Part { code, part: part.into(), what: what.into(), hint: hint.into() }
 }
 
-struct Parts<'p, 'a> {
+struct Parts<'p> {
     document: &'p Document,
-    container: &'p Container<'a>,
+    buffers: &'p Buffers<'p>,
     forest: &'p Forest,
     clip_from_file: DAffine3,
     stage: &'p Stage<'p>,
-    /// Bytes of the file.
+    /// Bytes of the file and of the buffers beside it.
     size: usize,
 }
 
-impl Parts<'_, '_> {
+impl<'p> Parts<'p> {
+    /// A clip, and how many keys it was made of.
     fn clip(
         &self,
-        index: usize,
+        channels: &Channels<'_>,
         options: &ImportOptions,
-        files: FileSource<'_>,
         findings: &mut Vec<Finding>,
-    ) -> Result<Clip, FormatError> {
-        let figure = self.stage.figure;
-        let Some(channels) = clips::Channels::of(self.document, index, figure, findings) else {
-            return self.rest_pose(options, findings);
-        };
-        let buffers = channels.buffers(self.document, self.container, options, files)?;
-        let size = self.size.saturating_add(buffers.bytes());
-        let (tracks, times) = channels.tracks(self.document, &buffers, size)?;
+    ) -> Result<(Clip, usize), FormatError> {
+        let (tracks, times) = channels.tracks(self.document, self.buffers, self.size)?;
         let (timing, finding) = Timing::of(&times, options.frame_rate);
         drop(times);
         findings.extend(finding);
-        let frames = self.frames(timing, size, &options.limits)?;
-        self.player(tracks, timing).clip(frames, findings)
+        let frames = self.frames(timing, &options.limits)?;
+        let keys = tracks.iter().map(Track::keys).sum();
+        Ok((self.player(tracks, timing).clip(frames, findings)?, keys))
     }
 
     fn rest_pose(&self, options: &ImportOptions, findings: &mut Vec<Finding>) -> Result<Clip, FormatError> {
@@ -155,19 +167,19 @@ impl Parts<'_, '_> {
         self.player(Vec::new(), timing).clip(1, findings)
     }
 
-    fn player<'t>(&self, tracks: Vec<Track<'t>>, timing: Timing) -> Player<'_, '_, 't> {
+    fn player<'t>(&self, tracks: Vec<Track<'t>>, timing: Timing) -> Player<'p, 'p, 't> {
         Player::new(self.stage, self.forest, self.clip_from_file, tracks, timing)
     }
 
     /// The number of frames, when they are not too many.
-    fn frames(&self, timing: Timing, size: usize, limits: &Limits) -> Result<usize, FormatError> {
+    fn frames(&self, timing: Timing, limits: &Limits) -> Result<usize, FormatError> {
         // Nodes above joints are work as well.
         let figure = self.stage.figure;
         let joints = figure.chain.len().max(figure.joints.len());
         let cells = timing.frames * joints as f64;
         // Keys that stay as they are take no bytes, so a cell may have fewer than in other formats; but a cell may
         // take 28 bytes here, with a translation.
-        let limit = limits.cells.min(Limits::FREE_CELLS.saturating_add(size / 2));
+        let limit = limits.cells.min(Limits::FREE_CELLS.saturating_add(self.size / 2));
         if cells <= limit as f64 {
             return Ok(timing.frames as usize);
         }

@@ -50,6 +50,11 @@ impl Budget {
         self.taken = scene_bytes + scene_bytes / 5 + scene.nodes.count.saturating_mul(NODE);
     }
 
+    /// Frames times joints that a clip may have.
+    pub(super) fn cells(&self, limits: &Limits) -> usize {
+        limits.cells.min(self.all.saturating_sub(self.taken) / CELL)
+    }
+
     /// The number of frames, when they are not too many.
     pub(super) fn frames(
         &self,
@@ -62,7 +67,7 @@ impl Budget {
         let work = figure.chain.len() + stack.moving.len() * stack.layers();
         let work = work.max(figure.joints.len());
         let cells = span.frames * work as f64;
-        let limit = limits.cells.min(self.all.saturating_sub(self.taken) / CELL);
+        let limit = self.cells(limits);
         if cells <= limit as f64 {
             return Ok(span.frames as usize);
         }

@@ -11,7 +11,7 @@ mod stacks;
 
 use crate::{
     Evidence, Finding, Format, FormatError, Import, ImportOptions, SourceInfo, clip_choice, figure::Stage,
-    finding::shown,
+    finding::shown, limits::Together,
 };
 use axes::Axes;
 use bones::Bones;
@@ -80,8 +80,11 @@ pub(crate) fn read_fbx_with(
         }
     };
     if let Some(others) = others {
+        let mut all = Together::of(budget.cells(&options.limits));
         for (_, stack) in stacks.iter().enumerate().filter(|(index, _)| Some(*index) != chosen) {
-            others.push(read(stack, &mut findings)?);
+            let clip = read(stack, &mut findings)?;
+            all.take(clip.frames() * clip.skeleton().len())?;
+            others.push(clip);
         }
     }
     size_findings(&clip, &stage, &axes, &mut findings);
