@@ -11,7 +11,7 @@ use inkrig_generate::guidance::{Ask, Target, View};
 use inkrig_generate::measures::{jerk, skating};
 use inkrig_generate::networks::{Decoding, Domain};
 use inkrig_generate::readers::sketch::JOINT_OF_KEY_POINT;
-use inkrig_generate::sampling::{Conditions, Examples, Networks, Request, Sampler, SamplingOptions};
+use inkrig_generate::sampling::{Conditions, Networks, Request, Sampler, SamplingOptions};
 use inkrig_motion::Features;
 use inkrig_motion::glam::{Vec2, Vec3};
 use inkrig_motion::humanml::{
@@ -19,6 +19,9 @@ use inkrig_motion::humanml::{
     recover_positions,
 };
 use rayon::prelude::*;
+
+/// The step of training whose noise a motion is given that another one shall be near to: a quarter of its power is left.
+const NEAR: usize = 500;
 
 /// What clips are made with.
 #[derive(Debug, Clone, Copy)]
@@ -198,7 +201,7 @@ impl Maker<'_> {
         let sampler = Sampler { networks: self.networks, features: self.features, no_text: self.no_text };
         let sampled = match near {
             Some(latent) => {
-                let sampling = SamplingOptions { from: Some(Examples::TIMESTEP), ..options.sampling.clone() };
+                let sampling = SamplingOptions { from: Some(NEAR), ..options.sampling.clone() };
                 sampler.sample_near(latent, &[conditions], &sampling, seed)?
             }
             None => sampler.sample(&[conditions], &options.sampling, seed)?,

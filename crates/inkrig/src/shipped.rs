@@ -13,6 +13,11 @@ pub(crate) struct Shipped {
 /// The generator. Of DDIM's 50 steps.
 pub(crate) const CLEAN: Shipped =
     Shipped { name: "inkrig:clean", bytes: include_bytes!("../../../models/clean.safetensors") };
+/// The motions of each verb that denoising begins with; they take the place of those of [`CLEAN`], so that they can be chosen anew without its weights.
+pub(crate) const EXAMPLES: Shipped = Shipped {
+    name: "inkrig:clean-examples",
+    bytes: include_bytes!("../../../models/clean-examples.safetensors"),
+};
 /// The denoiser of [`CLEAN`] once more, distilled for one to four steps; the other weights are the same.
 pub(crate) const QUICK: Shipped =
     Shipped { name: "inkrig:clean-quick", bytes: include_bytes!("../../../models/clean-quick.safetensors") };
@@ -33,6 +38,6 @@ impl Shipped {
 
     /// The one that a record names.
     pub(crate) fn named(path: &Path) -> Option<Self> {
-        [CLEAN, QUICK, SKETCH, WORD].into_iter().find(|own| path.as_os_str() == own.name)
+        [CLEAN, EXAMPLES, QUICK, SKETCH, WORD].into_iter().find(|own| path.as_os_str() == own.name)
     }
 }

@@ -3,7 +3,7 @@
 
 use super::lbfgs::{Lbfgs, LbfgsOptions, Objective};
 use super::places::Places;
-use super::settle::{SettleOptions, misses_pose, slides};
+use super::settle::{SettleOptions, misses_pose, slides, strays, way};
 use super::target::{Mean, Target};
 use crate::GenerateError;
 use crate::networks::{Decoding, Vae};
@@ -108,6 +108,8 @@ struct ClipWork {
     sum: f64,
     /// A key pose, which settling holds.
     pose: Option<(usize, Joints)>,
+    /// Where the pelvis was before settling, if that is held.
+    way: Option<Vec<[f64; 2]>>,
 }
 
 /// From the noise in a latent to what the latent would be without: `clean = (latent - add * noise) / keep`.
@@ -188,6 +190,11 @@ impl<'a> Guide<'a> {
         each.for_each(|((_, work), pose)| work.pose = pose.copied());
     }
 
+    /// Settling begins anew.
+    pub(super) fn forget_ways(&mut self) {
+        self.clips.iter_mut().for_each(|(_, work)| work.way = None);
+    }
+
     /// The gradient of what settling lessens: sliding, and distances from what is asked for.
     pub(super) fn settling(
         &mut self,
@@ -201,6 +208,10 @@ impl<'a> Guide<'a> {
             work.places(vae, statistics, clip, latent)?;
             work.sum = clip.target.distance(&work.places.joints, false, weight, &mut work.of_joints);
             slides(&work.places.joints, options.slides, &mut work.of_joints);
+            if clip.target.asks.is_empty() && work.pose.is_none() {
+                let own = work.way.get_or_insert_with(|| way(&work.places.joints));
+                strays(&work.places.joints, own, options.way, &mut work.of_joints);
+            }
             if let Some(pose) = &work.pose {
                 let (joints, view) = (&work.places.joints, clip.target.view);
                 misses_pose(joints, view, pose, options.keypose, &mut work.of_joints);

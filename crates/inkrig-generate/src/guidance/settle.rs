@@ -38,13 +38,16 @@ pub struct SettleOptions {
     pub asked: f64,
     /// Of key poses: the mean distance of their joints, the pelvis at its place, metres.
     pub keypose: f64,
+    /// Of the mean distance over ground of the pelvis from where it was, metres, in clips of which nothing is asked: a walk whose feet slide shall step
+    /// farther, not stand.
+    pub way: f64,
     /// Of the mean square by which a latent's numbers change.
     pub moved: f64,
 }
 
 impl Default for SettleOptions {
     fn default() -> Self {
-        Self { steps: 40, rate: 0.03, slides: 1.0, asked: 10.0, keypose: 20.0, moved: 0.3 }
+        Self { steps: 40, rate: 0.03, slides: 1.0, asked: 10.0, keypose: 20.0, way: 3.0, moved: 0.3 }
     }
 }
 
@@ -67,6 +70,7 @@ impl Guide<'_> {
         options: &SettleOptions,
     ) -> Result<(), GenerateError> {
         self.hold(poses);
+        self.forget_ways();
         let before = latents.to_vec();
         let each = latents.len() / self.count().max(1);
         let mut means = vec![Means::default(); latents.len()];
@@ -115,6 +119,27 @@ pub(super) fn slides(joints: &[f64], weight: f64, gradient: &mut [f64]) -> f64 {
         }
     }
     sum
+}
+
+/// Adds the gradient of the pelvis's mean distance over ground from `way` (x and z, frame by frame), times `weight`, to that of joints; gives the distance,
+/// metres.
+pub(super) fn strays(joints: &[f64], way: &[[f64; 2]], weight: f64, gradient: &mut [f64]) -> f64 {
+    let share = 1.0 / way.len().max(1) as f64;
+    let mut sum = 0.0;
+    let frames = joints.chunks_exact(PLACES).zip(gradient.chunks_exact_mut(PLACES));
+    for ((joints, gradient), [x, z]) in frames.zip(way) {
+        let off = [joints[0] - x, joints[2] - z];
+        let length = (off[0] * off[0] + off[1] * off[1] + ROUNDED * ROUNDED).sqrt();
+        sum += share * (length - ROUNDED);
+        gradient[0] += weight * share * off[0] / length;
+        gradient[2] += weight * share * off[1] / length;
+    }
+    sum
+}
+
+/// Where the pelvis is over ground, frame by frame.
+pub(super) fn way(joints: &[f64]) -> Vec<[f64; 2]> {
+    joints.chunks_exact(PLACES).map(|pose| [pose[0], pose[2]]).collect()
 }
 
 /// Adds the gradient of a key pose's mean distance, times `weight`, to that of joints; gives the distance, metres.
@@ -199,6 +224,24 @@ mod tests {
         assert!(of(&walk(0.15, 1.0)) < 1e-2);
         assert_eq!(of(&vec![0.01; 6 * PLACES]), 0.0);
         assert_eq!(of(&[]), 0.0);
+    }
+
+    #[test]
+    fn a_pelvis_is_drawn_back_to_its_way() {
+        let joints = walk(0.02, 1.0);
+        let own: Vec<[f64; 2]> = (0..6).map(|frame| [0.9 + 0.02 * f64::from(frame), 0.8]).collect();
+        assert_eq!(strays(&joints, &way(&joints), 2.0, &mut vec![0.0; joints.len()]), 0.0);
+        let mut gradient = vec![0.0; joints.len()];
+        strays(&joints, &own, 2.0, &mut gradient);
+        for at in (0..joints.len()).step_by(11) {
+            let value = |by: f64| {
+                let mut moved = joints.clone();
+                moved[at] += by;
+                2.0 * strays(&moved, &own, 0.0, &mut vec![0.0; joints.len()])
+            };
+            let slope = (value(1e-6) - value(-1e-6)) / 2e-6;
+            assert!((slope - gradient[at]).abs() < 1e-6, "{at}: {slope} {}", gradient[at]);
+        }
     }
 
     #[test]

@@ -20,8 +20,8 @@ impl Examples {
     pub const LATENTS: &'static str = "examples.latents";
     /// Places in the list of verbs, one for each example.
     pub const VERBS: &'static str = "examples.verbs";
-    /// The step of training whose noise an example is given: as much as is left of it is a quarter of the power.
-    pub const TIMESTEP: usize = 500;
+    /// The step of training whose noise an example is given: what is left of it is two fifths of the power.
+    pub const TIMESTEP: usize = 400;
 
     /// Those of a model; none where it has none. `each` are the numbers of a latent.
     ///

@@ -11,6 +11,7 @@ use inkrig_generate::sampling::Examples;
 use inkrig_generate::schedule::{Noise, NoiseSchedule};
 use inkrig_generate::text::{VERBS, VerbTable};
 use inkrig_generate::weights::Tensors;
+use inkrig_motion::humanml::{Statistics, WIDTH};
 use std::path::Path;
 
 /// Examples of a verb.
@@ -24,9 +25,17 @@ const TIMESTEPS: [usize; 4] = [300, 500, 700, 850];
 /// Frames of a window, and from one to the next.
 const FRAMES: usize = 40;
 const STRIDE: usize = 10;
+/// Verbs that take a body forward, and those that turn it. Whoever asks for a run wants no run backwards, nor the standing before one, though both are
+/// called so in descriptions.
+const GOING: [&str; 8] = ["walk", "run", "jog", "skip", "crawl", "sneak", "march", "limp"];
+const TURNING: [&str; 2] = ["turn", "spin"];
+/// Of the way or the turn that the farthest tenth of a verb's windows come to, how much an example has at least.
+const FAR: f64 = 0.75;
+/// A turn has at least this, radians.
+const LEAST_TURN: f64 = 0.8;
 
-/// Latents of a few windows of each verb, as tensors of the model: of the windows that the denoiser tells best with the verb's help (a clip of
-/// jumps begins with standing), of the usual half those that differ most.
+/// Latents of a few windows of each verb, as tensors of the model: of the windows that show it (a run goes forward, a turn turns) and that the
+/// denoiser tells best with the verb's help (a clip of jumps begins with standing), of the usual half those that differ most.
 ///
 /// # Errors
 /// When the corpus cannot be read, or the model has not the networks.
@@ -41,6 +50,7 @@ pub fn examples(corpus: &Path, header: &ModelHeader, weights: &Tensors) -> Resul
     let cut = Cut { frames: FRAMES, stride: STRIDE, other_lengths: 0.0, shortest: FRAMES, longest: FRAMES };
     let windows = windows(&motions, cut.checked(&header.sizes)?, 0);
     let latents = Latents::encode(&vae, &motions, &windows, rayon::current_num_threads())?;
+    let ways: Vec<Way> = windows.iter().map(|window| Way::of(window.rows(&motions), &features)).collect();
     let (mut chosen, mut places) = (Vec::new(), Vec::new());
     for verb in 0..VERBS.len() {
         // Clips of nothing else, where there are enough: a run that ends in a roll is no example of a run.
@@ -48,7 +58,10 @@ pub fn examples(corpus: &Path, header: &ModelHeader, weights: &Tensors) -> Resul
             (0..latents.len()).filter(|&window| fits(latents.verbs(window))).collect()
         };
         let alone = of(&|verbs| *verbs == [verb]);
-        let own = if alone.len() < 4 * EACH { of(&|verbs| verbs.contains(&verb)) } else { alone };
+        let mut own = shown(verb, alone.clone(), &ways);
+        if alone.len() < 4 * EACH || own.len() < EACH {
+            own = shown(verb, of(&|verbs| verbs.contains(&verb)), &ways);
+        }
         let every = own.len().div_ceil(MOST).max(1);
         let texts = [verbs.row(Some(verb)), verbs.row(None)];
         let mut told = Vec::new();
@@ -65,6 +78,43 @@ pub fn examples(corpus: &Path, header: &ModelHeader, weights: &Tensors) -> Resul
         }
     }
     Examples::tensors(chosen, &places).map_err(network)
+}
+
+/// Where a window's body comes to.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    /// As it faces, forward, metres.
+    forward: f64,
+    /// About the vertical, either way, radians.
+    turn: f64,
+}
+
+impl Way {
+    /// Of rows as the networks see them.
+    fn of(rows: &[f32], features: &Statistics) -> Self {
+        let mut rows = rows.to_vec();
+        features.restore(&mut rows);
+        // Each row has half the angle to the next, and the way there, x and z of where the body faces.
+        let sum = |column: usize| {
+            rows.chunks_exact(WIDTH).filter_map(|row| row.get(column)).map(|x| f64::from(*x)).sum::<f64>()
+        };
+        Self { forward: sum(2), turn: 2.0 * sum(0).abs() }
+    }
+}
+
+/// Of a verb's windows those that do what it says, as far as that can be told from where they come to.
+fn shown(verb: usize, windows: Vec<usize>, ways: &[Way]) -> Vec<usize> {
+    let name = VERBS.get(verb).map_or("", |verb| verb.name);
+    let far = |window: usize| match ways.get(window) {
+        Some(way) if GOING.contains(&name) => Some((way.forward, 0.0)),
+        Some(way) if TURNING.contains(&name) => Some((way.turn, LEAST_TURN)),
+        _ => None,
+    };
+    let mut all: Vec<f64> = windows.iter().filter_map(|&window| far(window)).map(|(far, _)| far).collect();
+    all.sort_by(f64::total_cmp);
+    let most = all.get(all.len() * 9 / 10).copied().unwrap_or(0.0);
+    let shows = |window: &usize| far(*window).is_none_or(|(far, least)| far >= (FAR * most).max(least));
+    windows.into_iter().filter(shows).collect()
 }
 
 /// By how much a text lessens the error of what is predicted, in the mean over timesteps.
@@ -128,6 +178,25 @@ fn apart(rows: &[&[f32]], count: usize) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_run_goes_forward_and_a_turn_turns() {
+        let verb = |name: &str| VERBS.iter().position(|verb| verb.name == name).unwrap();
+        let way = |forward, turn| Way { forward, turn };
+        let ways =
+            [way(2.0, 0.0), way(-5.0, 0.1), way(3.0, 0.2), way(0.1, 1.5), way(1.6, 0.0), way(2.4, 0.7)];
+        let of = |name| shown(verb(name), (0..ways.len()).collect(), &ways);
+        assert_eq!(of("run"), [0, 2, 4, 5]);
+        assert_eq!(of("turn"), [3]);
+        assert_eq!(of("kick"), [0, 1, 2, 3, 4, 5], "how far one goes says nothing of a kick");
+        assert!(shown(verb("turn"), vec![0, 1, 4], &ways).is_empty(), "none of them turns");
+        let features = Statistics::new(vec![0.01; WIDTH], vec![2.0; WIDTH]).unwrap();
+        let mut rows = vec![0.0; 3 * WIDTH];
+        rows[2] = 0.5;
+        rows[WIDTH] = -0.25;
+        let way = Way::of(&rows, &features);
+        assert!((way.forward - 1.03).abs() < 1e-6 && (way.turn - 0.94).abs() < 1e-6, "{way:?}");
+    }
 
     #[test]
     fn what_is_chosen_is_far_apart() {

@@ -13,7 +13,7 @@ use crate::provenance::licence::LicenceNote;
 use crate::provenance::{Facts, Run};
 use crate::read_back::ReadBack;
 use crate::sheet::{SheetOptions, contact_sheet};
-use crate::shipped::{CLEAN, QUICK, Shipped};
+use crate::shipped::{CLEAN, EXAMPLES, QUICK, Shipped};
 use crate::{inputs, load, names, results};
 use conditions::{KeyPose, keypose, trajectory};
 use ground::{GroundRecord, ground};
@@ -149,8 +149,9 @@ impl Model {
             inputs::note(&own.path(), own.bytes)?;
             Ok(Box::new(Cursor::new(own.bytes)))
         };
-        let over = if quick { Some(bytes(QUICK)?) } else { None };
-        Self::of(&if quick { QUICK } else { CLEAN }.path(), bytes(CLEAN)?, over)
+        // Few steps begin with noise.
+        let [name, over] = if quick { [QUICK, QUICK] } else { [CLEAN, EXAMPLES] };
+        Self::of(&name.path(), bytes(CLEAN)?, Some(bytes(over)?))
     }
 
     /// With `over`, the header is that of `over`.
