@@ -469,6 +469,10 @@ fn safetensors_that_lie_are_refused() {
     assert!(
         open(&(1_u64 << 20).to_le_bytes()).unwrap_err().to_string().contains("beyond the end of the file")
     );
+    let other = open(b"HIERARCHY\nROOT Hips\n").unwrap_err().to_string();
+    assert!(other.starts_with("this is no safetensors file; give one"), "{other}");
+    let large = [&u64::MAX.to_le_bytes()[..], b"{"].concat();
+    assert!(open(&large).unwrap_err().to_string().contains("bytes in the header"));
     assert!(open(b"abc").unwrap_err().to_string().contains("beyond the end of the file"));
 }
 

@@ -36,6 +36,9 @@ pub struct ModelHeader {
     pub data: String,
     /// What may be done with it.
     pub licence: String,
+    /// The name of the model that the rest of its weights is in, where the file has only those that differ.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub laid_over: Option<String>,
     /// SHA-256 of all bytes after the header, in hexadecimal digits.
     pub sha256: String,
 }
@@ -68,6 +71,7 @@ impl ModelHeader {
             text_weight: None,
             data: String::new(),
             licence: String::new(),
+            laid_over: None,
             sha256: String::new(),
         }
     }

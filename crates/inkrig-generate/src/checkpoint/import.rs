@@ -2,7 +2,7 @@
 
 use super::error::shown;
 use super::header::{ModelHeader, ModelStatistics};
-use super::mapping::{Detected, ModelKind, detect, is_evaluator, network, own_name};
+use super::mapping::{Detected, ModelKind, detect, is_evaluator, is_table, network, of_header, own_name};
 use super::model::write_model;
 use super::npy::read_npy;
 use super::source::{Listed, TensorSource};
@@ -65,7 +65,27 @@ impl Import {
     /// [`CheckpointError::Unknown`] for tensors of no model that is known, [`CheckpointError::Tensor`] where a shape is not the one that
     /// the others ask for. Missing tensors are no error yet: see [`Self::missing`].
     pub fn plan(listed: &[Listed], evaluator: bool) -> Result<Self, CheckpointError> {
-        let detected = detect(listed)?;
+        Self::of(detect(listed)?, listed, |name| evaluator && is_evaluator(name))
+    }
+
+    /// The same of a model file of ours, whose header says the sizes and which may have networks that no published model has; all is taken
+    /// that belongs to it.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Tensor`] where a shape is not the one that the header asks for.
+    pub fn of_model(header: &ModelHeader, listed: &[Listed]) -> Result<Self, CheckpointError> {
+        // One that was imported is still what it was.
+        let published = detect(listed).ok().filter(|found| found.sizes == header.sizes);
+        let detected = published.unwrap_or_else(|| of_header(header, listed));
+        Self::of(detected, listed, |name| is_evaluator(name) || is_table(name))
+    }
+
+    /// `more` says which tensors are taken that belong to no network that makes motions.
+    fn of(
+        detected: Detected,
+        listed: &[Listed],
+        more: impl Fn(&str) -> bool,
+    ) -> Result<Self, CheckpointError> {
         let needed = tensors(&detected.sizes, detected.parts);
         let mut needed: BTreeMap<&str, _> = needed.iter().map(|spec| (spec.name.as_str(), spec)).collect();
         let mut rows: BTreeMap<&'static str, NetworkRow> = BTreeMap::new();
@@ -77,7 +97,7 @@ impl Import {
         for (at, tensor) in listed.iter().enumerate() {
             let own = own_name(detected.kind, &tensor.name);
             let spec = own.as_deref().and_then(|name| needed.remove(name));
-            let keep = evaluator && is_evaluator(&tensor.name) && tensor.kind.is_float();
+            let keep = more(&tensor.name) && tensor.kind.is_float();
             let (Some(name), true) =
                 (own.or_else(|| keep.then(|| tensor.name.clone())), spec.is_some() || keep)
             else {
@@ -149,12 +169,18 @@ impl Import {
                 "The model was distilled for few steps (LCM). Blending clips goes from a motion back to noise, which it cannot: for that, give a second model that was not distilled by --blend-model.".into(),
             );
         }
+        if !self.detected.parts.vae {
+            remarks.push(
+                "It has no autoencoder: it is only what differs from another model, and no motion is made with it by itself.".into(),
+            );
+            return remarks;
+        }
         if !self.detected.parts.control {
             remarks.push(
                 "It has no control networks: key poses and trajectories are held by guidance alone.".into(),
             );
         }
-        if self.detected.kind == ModelKind::Vae {
+        if !self.detected.parts.denoiser {
             remarks.push("It has no denoiser: motions can be encoded and decoded, but not made.".into());
         }
         remarks

@@ -1,8 +1,10 @@
 //! Which model a list of tensors is, and how its names are ours.
 
-use super::CheckpointError;
 use super::source::Listed;
+use super::{CheckpointError, ModelHeader};
 use crate::networks::{Parts, Sizes};
+use crate::sampling::Examples;
+use crate::text::VerbTable;
 use inkrig_motion::humanml::WIDTH;
 use std::collections::BTreeMap;
 
@@ -17,6 +19,8 @@ pub enum ModelKind {
     Mld,
     /// A motion VAE alone.
     Vae,
+    /// A model file of ours, of whatever networks.
+    Own,
 }
 
 impl ModelKind {
@@ -27,6 +31,7 @@ impl ModelKind {
             Self::MotionLcm => "MotionLCM (version 1)",
             Self::Mld => "MLD",
             Self::Vae => "a motion VAE alone",
+            Self::Own => "a model file of inkrig",
         }
     }
 }
@@ -99,10 +104,24 @@ pub(super) fn detect(listed: &[Listed]) -> Result<Detected, CheckpointError> {
     Ok(Detected { kind, sizes, parts })
 }
 
+/// What a model file of ours says of itself; which networks are there, its tensors say.
+pub(super) fn of_header(header: &ModelHeader, listed: &[Listed]) -> Detected {
+    let has = |prefixes: &[&str]| {
+        listed.iter().any(|tensor| prefixes.iter().any(|prefix| tensor.name.starts_with(prefix)))
+    };
+    let parts = Parts {
+        vae: has(&["vae."]),
+        denoiser: has(&["denoiser.denoiser."]),
+        control: has(&["controlnet.", "denoiser.pose_encoder.", "estimate.space."]),
+        control_2d: has(&["traj_encoder_2d.", "denoiser.pose_encoder_2d.", "estimate.plane."]),
+    };
+    Detected { kind: ModelKind::Own, sizes: header.sizes.clone(), parts }
+}
+
 /// What a name of a file is called by us; `None` for tensors that we have no use for.
 pub(super) fn own_name(kind: ModelKind, name: &str) -> Option<String> {
     match kind {
-        ModelKind::Sketch2Anim => Some(name.to_owned()),
+        ModelKind::Sketch2Anim | ModelKind::Own => Some(name.to_owned()),
         // The base denoiser stands alone there. What controls it is of another make.
         ModelKind::Mld | ModelKind::MotionLcm => match name.strip_prefix("denoiser.") {
             Some(rest) => Some(format!("denoiser.denoiser.{rest}")),
@@ -114,7 +133,7 @@ pub(super) fn own_name(kind: ModelKind, name: &str) -> Option<String> {
 
 /// The network that a tensor belongs to, by its name.
 pub(super) fn network(name: &str) -> &'static str {
-    const NETWORKS: [&str; 12] = [
+    const NETWORKS: [&str; 15] = [
         "vae",
         "denoiser.denoiser",
         "denoiser.pose_encoder",
@@ -127,6 +146,9 @@ pub(super) fn network(name: &str) -> &'static str {
         "t2m_motionencoder",
         "t2m_textencoder",
         "text_encoder",
+        "estimate",
+        "text",
+        "examples",
     ];
     let is = |network: &&&str| name.strip_prefix(**network).is_some_and(|rest| rest.starts_with('.'));
     NETWORKS.iter().find(is).copied().unwrap_or("others")
@@ -135,6 +157,11 @@ pub(super) fn network(name: &str) -> &'static str {
 /// Whether a tensor is one of the networks that measure motions.
 pub(super) fn is_evaluator(name: &str) -> bool {
     name.starts_with("t2m_")
+}
+
+/// Whether a tensor of ours is no network's: vectors of verbs, motions to begin with.
+pub(super) fn is_table(name: &str) -> bool {
+    [VerbTable::VERBS, VerbTable::NOTHING, Examples::LATENTS, Examples::VERBS].contains(&name)
 }
 
 struct Names<'a>(BTreeMap<&'a str, &'a [usize]>);

@@ -29,9 +29,17 @@ impl<R: Read + Seek> ModelFile<R> {
     /// [`CheckpointError`] when it is no safetensors file, is damaged, or has no header of ours.
     pub fn open(file: R) -> Result<Self, CheckpointError> {
         let file = Safetensors::open(file)?;
-        let no_header = || CheckpointError::Unsupported {
-            what: "this safetensors file is no model of ours: it says nothing of itself".into(),
-            todo: "make one of it by inkrig model import",
+        let no_header = || {
+            if file.metadata().contains_key(crate::readers::file::KEY) {
+                return CheckpointError::Unsupported {
+                    what: "these are weights of a reader of drawings".into(),
+                    todo: "give a model that makes motions",
+                };
+            }
+            CheckpointError::Unsupported {
+                what: "this safetensors file is no model of ours: it says nothing of itself".into(),
+                todo: "make one of it by inkrig model import",
+            }
         };
         let header = file.metadata().get(KEY).ok_or_else(no_header)?;
         let header: ModelHeader = serde_json::from_str(header)
@@ -40,9 +48,19 @@ impl<R: Read + Seek> ModelFile<R> {
         Ok(Self { file, header })
     }
 
+    /// Whether a safetensors file has a header of ours, be it a good one or not.
+    pub fn is_of(file: &Safetensors<R>) -> bool {
+        file.metadata().contains_key(KEY)
+    }
+
     /// What it says of itself.
     pub fn header(&self) -> &ModelHeader {
         &self.header
+    }
+
+    /// Whether it can be used by itself; else it has only the weights in which it differs from another model.
+    pub fn is_whole(&self) -> bool {
+        self.header.laid_over.is_none() && self.listed().iter().any(|tensor| tensor.name.starts_with("vae."))
     }
 
     /// What it consists of.

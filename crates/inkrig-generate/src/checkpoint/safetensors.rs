@@ -38,6 +38,13 @@ impl<R: Read + Seek> Safetensors<R> {
         let length = bytes.part(0, 8, "the length of the header")?;
         let length = length.as_chunks().0.first().map_or(0, |bytes| u64::from_le_bytes(*bytes));
         if length > MOST_HEADER {
+            // In any other file these eight bytes are no length, and no table follows.
+            if bytes.length() > 8 && bytes.part(8, 1, "the header")? != b"{" {
+                return Err(CheckpointError::Unsupported {
+                    what: "this is no safetensors file".into(),
+                    todo: "give one that inkrig train, inkrig model import or inkrig model pack wrote",
+                });
+            }
             return Err(CheckpointError::TooMuch {
                 what: "bytes in the header".into(),
                 got: length,

@@ -7,7 +7,7 @@ use serde_json::json;
 use std::io::{Read, Seek};
 
 /// The name of our header in a file's metadata.
-const KEY: &str = "inkrig.reader";
+pub(crate) const KEY: &str = "inkrig.reader";
 
 /// What a reader's file says of itself.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -26,6 +26,11 @@ impl Header {
     pub fn new(reads: &str) -> Self {
         Self { version: 1, reads: reads.into(), card: String::new() }
     }
+}
+
+/// What a safetensors file says of itself, if it is a reader's.
+pub fn header<R: Read + Seek>(file: &Safetensors<R>) -> Option<Header> {
+    serde_json::from_str(file.metadata().get(KEY)?).ok()
 }
 
 /// A file of half precision numbers.
@@ -62,13 +67,13 @@ pub fn to_bytes(header: &Header, tensors: &Tensors) -> Result<Vec<u8>, Checkpoin
 /// When it is no such file, or damaged.
 pub fn read<R: Read + Seek>(file: R, reads: &str) -> Result<(Header, Tensors), CheckpointError> {
     let mut file = Safetensors::open(file)?;
-    let header: Option<Header> = file.metadata().get(KEY).and_then(|text| serde_json::from_str(text).ok());
-    let header = header.filter(|header| header.version == 1 && header.reads == reads).ok_or_else(|| {
-        CheckpointError::Unsupported {
-            what: format!("this file holds no weights of a reader of kind `{reads}`"),
-            todo: "give one that `inkrig train` wrote, or none for the one that comes with the program",
-        }
-    })?;
+    let header =
+        header(&file).filter(|header| header.version == 1 && header.reads == reads).ok_or_else(|| {
+            CheckpointError::Unsupported {
+                what: format!("this file holds no weights of a reader of kind `{reads}`"),
+                todo: "give one that `inkrig train` wrote, or none for the one that comes with the program",
+            }
+        })?;
     let names: Vec<String> = file.listed().iter().map(|listed| listed.name.clone()).collect();
     let mut tensors = Tensors::new();
     for (at, name) in names.into_iter().enumerate() {
