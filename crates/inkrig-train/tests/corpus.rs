@@ -121,7 +121,10 @@ fn a_stopped_build_goes_on_and_shares_make_the_same_whole() {
 
     let shared = desk.path().join("shared");
     for index in 1..=3 {
-        assert!(finish(&config, &shared).is_err(), "a share is missing");
+        let error = finish(&config, &shared).unwrap_err().to_string();
+        let said =
+            ["holds no corpus", "shares 2/3, 3/3 are not built yet", "share 3/3 is not built yet"][index - 1];
+        assert!(error.contains(said), "{error}");
         assert!(build(&config, &shared, Shard { index, count: 3 }, 1, &go_on).unwrap().is_none());
     }
     finish(&config, &shared).unwrap();
@@ -134,6 +137,29 @@ fn a_stopped_build_goes_on_and_shares_make_the_same_whole() {
     };
     assert_eq!(names(&whole), names(&stopped));
     assert_eq!(names(&whole), names(&shared));
+
+    // What is asked for may change, the sources may not.
+    let mut other = config.clone();
+    other.sources[0].include = vec!["ann".into()];
+    build(&other, &shared, Shard::ALL, 1, &go_on).unwrap();
+    other.sources[0].name = "other".into();
+    let before = tree(&shared);
+    for error in
+        [build(&other, &shared, Shard::ALL, 1, &go_on).unwrap_err(), finish(&other, &shared).unwrap_err()]
+    {
+        assert!(
+            error.to_string().contains("with the source `own`, which the configuration has not"),
+            "{error}"
+        );
+    }
+    let elsewhere = desk.path().join("elsewhere");
+    std::fs::create_dir(&elsewhere).unwrap();
+    std::fs::copy(desk.path().join("data/ann/WalkLeft.bvh"), elsewhere.join("WalkLeft.bvh")).unwrap();
+    let mut other = config.clone();
+    other.sources[0].folder = elsewhere;
+    let error = build(&other, &shared, Shard::ALL, 1, &go_on).unwrap_err().to_string();
+    assert!(error.contains("whose source `own` has other files"), "{error}");
+    assert_eq!(before, tree(&shared));
 
     // A file that has changed is read again.
     let person = inkrig_samples::find("person").unwrap().bytes;
@@ -155,4 +181,18 @@ fn a_corpus_takes_no_folder_of_others_and_says_when_there_is_nothing() {
     config.sources[0].folder = desk.path().join("nowhere");
     let error = build(&config, &desk.path().join("none"), Shard::ALL, 1, &go_on).unwrap_err().to_string();
     assert!(error.contains("nowhere"), "{error}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_corpus_has_the_permissions_of_ordinary_files() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let (desk, config) = desk();
+    let out = desk.path().join("corpus");
+    build(&config, &out, Shard::ALL, 1, &go_on).unwrap();
+    let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode();
+    let ordinary = mode(&desk.path().join("corpus.toml"));
+    for (path, _) in tree(&out) {
+        assert_eq!(mode(&path), ordinary, "{}", path.display());
+    }
 }

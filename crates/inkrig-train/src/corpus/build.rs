@@ -6,6 +6,7 @@ use super::config::{Config, Split};
 use super::files::{self, MotionFile};
 use super::manifest::{Entry, Manifest, RejectedEntry};
 use super::part::{Part, VERSION};
+use super::place;
 use super::report;
 use super::statistics::CorpusStatistics;
 use crate::TrainError;
@@ -23,9 +24,6 @@ use std::io::{Read as _, Write as _};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// The file by which a folder is known as a corpus.
-const MARK: &str = "corpus.json";
 
 /// A share of the work, for several machines: the files whose place in the list, divided by `count`, leaves `index` - 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,7 +67,7 @@ pub struct Built {
 /// core), from which `progress` is called; the result does not depend on them.
 ///
 /// # Errors
-/// When the configuration's folders cannot be read, `folder` holds something else, or no clip is usable. What is wrong with a
+/// When the configuration's folders cannot be read, `folder` holds something else or a corpus of other sources, or no clip is usable. What is wrong with a
 /// motion file stands in the corpus and is no error.
 pub fn build(
     config: &Config,
@@ -82,8 +80,9 @@ pub fn build(
         return Err(TrainError::Shard { index: shard.index, count: shard.count });
     }
     let files = files::find(config)?;
+    place::check_sources(config, &files, folder)?;
     let target = target(config, &files)?;
-    open(folder)?;
+    place::open(folder, shard)?;
     let own: Vec<&MotionFile> = files
         .iter()
         .enumerate()
@@ -109,6 +108,8 @@ pub fn build(
 /// When a part is missing or not readable, or no clip is usable.
 pub fn finish(config: &Config, folder: &Path) -> Result<Built, TrainError> {
     let files = files::find(config)?;
+    place::check_sources(config, &files, folder)?;
+    place::check_parts(config, &files, folder)?;
     let target = target(config, &files)?;
     let (mut entries, mut rejected) = (Vec::new(), Vec::new());
     for file in &files {
@@ -125,22 +126,8 @@ pub fn finish(config: &Config, folder: &Path) -> Result<Built, TrainError> {
     let statistics = statistics(&manifest, &target)?;
     let json = serde_json::to_vec(&statistics).unwrap_or_default();
     write(&folder.join(super::statistics::FILE), &json)?;
+    place::forget_shares(folder)?;
     Ok(Built { manifest, rejected, statistics })
-}
-
-/// Takes a folder that is empty or a corpus already.
-fn open(folder: &Path) -> Result<(), TrainError> {
-    let failed = |cause| TrainError::File { path: folder.to_path_buf(), cause };
-    std::fs::create_dir_all(folder).map_err(failed)?;
-    let mark = folder.join(MARK);
-    if mark.exists() {
-        return Ok(());
-    }
-    if std::fs::read_dir(folder).map_err(failed)?.next().is_some() {
-        let what = "holds other files: give an empty or a new folder for the corpus".to_string();
-        return Err(TrainError::Content { path: folder.to_path_buf(), what });
-    }
-    write(&mark, format!("{{\"inkrig_corpus\": {VERSION}}}\n").as_bytes())
 }
 
 /// The body that everybody gets.
@@ -336,7 +323,7 @@ fn statistics(manifest: &Manifest, target: &Offsets) -> Result<CorpusStatistics,
 }
 
 /// Where a file's part lies: names of files are no names of ours, so that `..` or a colon in them does nothing.
-fn part_name(config: &Config, file: &MotionFile) -> String {
+pub(super) fn part_name(config: &Config, file: &MotionFile) -> String {
     let source = config.sources.get(file.source).map_or("", |source| source.name.as_str());
     let plain: String = file
         .name
@@ -365,7 +352,11 @@ fn bytes(path: &Path, most: usize) -> std::io::Result<Vec<u8>> {
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {
     let failed = |cause| TrainError::File { path: path.to_path_buf(), cause };
     let folder = path.parent().unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+    let mut builder = tempfile::Builder::new();
+    // Temporary files are private; results are ordinary files, within the user's umask.
+    #[cfg(unix)]
+    builder.permissions(<std::fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o666));
+    let mut file = builder.tempfile_in(folder).map_err(failed)?;
     file.write_all(bytes).map_err(failed)?;
     file.persist(path).map_err(|error| failed(error.error))?;
     Ok(())

@@ -1,5 +1,6 @@
 //! What a corpus is made of.
 
+use super::toml_text::parse_toml;
 use crate::TrainError;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -112,7 +113,7 @@ impl Config {
     pub fn read(path: &Path) -> Result<Self, TrainError> {
         let text = read_text(path)?;
         let content = |what: String| TrainError::Content { path: path.to_path_buf(), what };
-        let mut config: Self = toml::from_str(&text).map_err(|error| content(error.to_string()))?;
+        let mut config: Self = parse_toml(&text).map_err(content)?;
         config.check().map_err(content)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let place = |path: &mut PathBuf| *path = folder.join(&*path);

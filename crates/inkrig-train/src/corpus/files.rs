@@ -4,6 +4,7 @@ use super::config::{Config, Source, Split, TextFrom};
 use super::index::Index;
 use crate::TrainError;
 use inkrig_formats::Format;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Folders within folders, at most.
@@ -29,6 +30,9 @@ pub(super) struct MotionFile {
 }
 
 /// All files of all sources, in the order of the configuration and of their names.
+///
+/// # Errors
+/// When a folder cannot be read, no file of it fits, or nobody in it is called as a subject is.
 pub(super) fn find(config: &Config) -> Result<Vec<MotionFile>, TrainError> {
     let mut all = Vec::new();
     for (place, source) in config.sources.iter().enumerate() {
@@ -36,11 +40,51 @@ pub(super) fn find(config: &Config) -> Result<Vec<MotionFile>, TrainError> {
         let mut paths = Vec::new();
         walk(&source.folder, 0, &mut paths)?;
         paths.sort();
+        let before = all.len();
+        let motions = paths.iter().filter(|path| format_of(path).is_some()).count();
         for path in paths {
             all.extend(motion_file(place, source, &index, path));
         }
+        let own = all.get(before..).unwrap_or_default();
+        let wrong = |what: String| TrainError::Content { path: source.folder.clone(), what };
+        if own.is_empty() {
+            return Err(wrong(nothing_fits(source, motions)));
+        }
+        check_subjects(source, own).map_err(wrong)?;
     }
     Ok(all)
+}
+
+fn nothing_fits(source: &Source, motions: usize) -> String {
+    let name = &source.name;
+    if motions == 0 {
+        return format!(
+            "no motion file (BVH, FBX, GLB, AMC, ...) is in the folder of the source `{name}` or in those below it"
+        );
+    }
+    format!(
+        "none of {motions} motion files fits the source `{name}`: `include` takes files whose path within the folder holds one of its texts, letter for letter (no * or ?), and `exclude` leaves out those whose path holds one"
+    )
+}
+
+/// A split that is said of nobody would be lost without a word.
+fn check_subjects(source: &Source, files: &[MotionFile]) -> Result<(), String> {
+    const SHOWN: usize = 8;
+    let known: BTreeSet<&str> = files.iter().map(|file| file.subject.as_str()).collect();
+    let Some(nobody) = source.subjects.keys().find(|subject| !known.contains(subject.as_str())) else {
+        return Ok(());
+    };
+    let shown: Vec<String> = known.iter().take(SHOWN).map(|subject| format!("`{subject}`")).collect();
+    let more = if known.len() > SHOWN { ", ..." } else { "" };
+    Err(format!(
+        "`subjects` of the source `{}` names `{nobody}`, and no file is of that subject; there are {}{more}",
+        source.name,
+        shown.join(", ")
+    ))
+}
+
+fn format_of(path: &Path) -> Option<Format> {
+    Format::from_extension(path.extension()?.to_str()?)
 }
 
 fn walk(folder: &Path, depth: usize, into: &mut Vec<PathBuf>) -> Result<(), TrainError> {
@@ -59,7 +103,7 @@ fn walk(folder: &Path, depth: usize, into: &mut Vec<PathBuf>) -> Result<(), Trai
 }
 
 fn motion_file(place: usize, source: &Source, index: &Index, path: PathBuf) -> Option<MotionFile> {
-    let format = Format::from_extension(path.extension()?.to_str()?)?;
+    let format = format_of(&path)?;
     let within = path.strip_prefix(&source.folder).ok()?;
     let parts: Vec<&str> = within.iter().map(|part| part.to_str()).collect::<Option<_>>()?;
     let name = parts.join("/");
@@ -140,5 +184,18 @@ mod tests {
         );
         assert_eq!(files[1].set_aside.as_deref(), Some("duplicate"));
         assert_eq!(files[1].frame_rate, Some(60.0));
+
+        let fails = |change: &dyn Fn(&mut Source)| {
+            let mut config = config.clone();
+            change(&mut config.sources[0]);
+            find(&config).unwrap_err().to_string()
+        };
+        let said = fails(&|source| _ = source.subjects.insert("cmu07".into(), Split::Test));
+        assert!(said.contains("names `cmu07`") && said.contains("there are `07`, `35`, `d`"), "{said}");
+        let said = fails(&|source| source.include = vec!["*.bvh".into()]);
+        assert!(said.contains("none of 4 motion files fits the source `d`"), "{said}");
+        put("empty/notes.md", "");
+        let said = fails(&|source| source.folder = folder.path().join("empty"));
+        assert!(said.contains("no motion file (BVH"), "{said}");
     }
 }

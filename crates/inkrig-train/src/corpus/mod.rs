@@ -14,9 +14,11 @@ mod files;
 mod index;
 mod manifest;
 mod part;
+mod place;
 mod poses;
 mod report;
 mod statistics;
+mod toml_text;
 
 pub use build::{Built, Progress, Shard, build, finish};
 pub use check::Rejected;
@@ -29,3 +31,4 @@ pub use statistics::CorpusStatistics;
 
 pub(crate) use build::write;
 pub(crate) use config::read_text;
+pub(crate) use toml_text::{parse_toml, toml_error};

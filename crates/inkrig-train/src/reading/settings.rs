@@ -1,7 +1,7 @@
 //! How readers are taught.
 
 use crate::TrainError;
-use crate::corpus::read_text;
+use crate::corpus::{parse_toml, read_text};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -157,7 +157,7 @@ impl WordSettings {
 
 fn parse<T: DeserializeOwned>(path: &Path) -> Result<T, TrainError> {
     let content = |what: String| TrainError::Content { path: path.to_path_buf(), what };
-    toml::from_str(&read_text(path)?).map_err(|error| content(error.to_string()))
+    parse_toml(&read_text(path)?).map_err(content)
 }
 
 fn shares<const N: usize>(shares: [(&str, f64); N]) -> Result<(), String> {

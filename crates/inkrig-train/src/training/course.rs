@@ -1,7 +1,7 @@
 //! What all stages are told alike: how many steps, how long, measured and kept when.
 
 use crate::TrainError;
-use crate::corpus::read_text;
+use crate::corpus::{parse_toml, read_text, toml_error};
 use inkrig_generate::weights::Tensors;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -133,7 +133,7 @@ pub(super) fn read_settings<S: Settings>(path: &Path) -> Result<S, TrainError> {
 
 /// Files are flat, and settings have their course in a part of its own.
 pub(super) fn parse_settings<S: Settings>(text: &str) -> Result<S, String> {
-    let said: toml::Table = toml::from_str(text).map_err(|error| error.to_string())?;
+    let said: toml::Table = parse_toml(text)?;
     let mut table = toml::Table::try_from(S::default()).map_err(|error| error.to_string())?;
     for (name, value) in said {
         let course = table.get_mut("course").and_then(toml::Value::as_table_mut);
@@ -142,7 +142,7 @@ pub(super) fn parse_settings<S: Settings>(text: &str) -> Result<S, String> {
             None => _ = table.insert(name, value),
         }
     }
-    let settings: S = table.try_into().map_err(|error| error.to_string())?;
+    let settings: S = table.try_into().map_err(|error| toml_error("", &error))?;
     settings.check()?;
     Ok(settings)
 }

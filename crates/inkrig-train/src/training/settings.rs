@@ -3,7 +3,7 @@
 use super::course::{Course, Optimiser, broken, is_share};
 use super::motions::Selection;
 use crate::TrainError;
-use crate::corpus::read_text;
+use crate::corpus::{parse_toml, read_text};
 use inkrig_generate::networks::Sizes;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -112,7 +112,7 @@ impl VaeSettings {
     /// When it cannot be read, or a value is out of its range.
     pub fn read(path: &Path) -> Result<Self, TrainError> {
         let content = |what: String| TrainError::Content { path: path.to_path_buf(), what };
-        let settings: Self = toml::from_str(&read_text(path)?).map_err(|error| content(error.to_string()))?;
+        let settings: Self = parse_toml(&read_text(path)?).map_err(content)?;
         settings.network().map_err(content)?;
         Ok(settings)
     }

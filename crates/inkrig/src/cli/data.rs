@@ -20,7 +20,8 @@ corpus.toml, paths relative to it:
   folder = \"captures\"            # BVH, AMC, GLB, ... of any people, folders within folders
   licence = \"free\"               # a word to sort by; whoever uses the weights will ask
   index = \"captures.csv\"         # optional: file, subject, split, description
-  subjects = { ann = \"test\" }    # who is only measured on";
+  include = [\"walk/\", \".bvh\"]   # optional: only files whose path within the folder holds one of these texts; exclude leaves files out
+  subjects = { ann = \"test\" }    # who is only measured on; a subject is called as the index says, else as the first folder";
 
 /// Arguments of `inkrig data`.
 #[derive(Debug, Args)]
@@ -60,7 +61,7 @@ pub struct CorpusArgs {
     /// The TOML file that says what is in it
     #[arg(value_name = "CONFIG.toml", value_hint = ValueHint::FilePath)]
     pub config: PathBuf,
-    /// Its folder: a new or empty one, or one that holds it already
+    /// Its folder: a new or empty one, or one that holds it already (the same sources)
     #[arg(long, short, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
     pub out: PathBuf,
 }
