@@ -5,8 +5,10 @@ use crate::TrainError;
 use crate::corpus::write;
 use crate::training::adamw::{AdamW, Moments, clip};
 use crate::training::checkpoint::{CHECKPOINT, Checkpoint, State};
+use crate::training::log::LOG;
 use crate::training::muon::{self, Matrix};
 use crate::training::rate::rate;
+use crate::training::run::open_folder;
 use inkrig_generate::readers::file::{Header, to_bytes};
 use inkrig_generate::readers::network::{Network, Plan, Work};
 use inkrig_generate::schedule::Noise;
@@ -72,9 +74,9 @@ pub(super) fn teach<L: Lesson>(
     progress: &mut OnStep<'_, L::Row>,
 ) -> Result<(Vec<L::Row>, bool), TrainError> {
     let folder = task.folder;
-    std::fs::create_dir_all(folder).map_err(|cause| TrainError::File { path: folder.into(), cause })?;
+    open_folder(folder)?;
     let mut run = Run::open(plan, task)?;
-    let log = folder.join("log.jsonl");
+    let log = folder.join(LOG);
     let mut rows = read_log::<L>(&log, run.moments.step)?;
     let (began, before) = (Instant::now(), run.state.seconds);
     let (mut sum, mut since) = (0.0, 0_u64);

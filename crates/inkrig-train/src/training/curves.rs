@@ -1,6 +1,7 @@
 //! The course of a run as a page: one picture a figure.
 
-use super::log::{self, Row};
+use super::checkpoint::CHECKPOINT;
+use super::log::{self, LOG, Row};
 use crate::TrainError;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -13,11 +14,15 @@ const SIZE: (f64, f64) = (420.0, 200.0);
 /// # Errors
 /// When the log cannot be read, or has nothing in it.
 pub fn curves(folder: &Path) -> Result<String, TrainError> {
-    let path = folder.join("log.jsonl");
-    let rows = log::read(&path)?;
+    let path = folder.join(LOG);
+    let content = |what: &str| TrainError::Content { path: folder.into(), what: what.into() };
+    if !path.exists() && !folder.join(CHECKPOINT).exists() {
+        return Err(content("holds no run of inkrig train"));
+    }
+    let rows = if path.exists() { log::read(&path)? } else { Vec::new() };
     let Some(last) = rows.last() else {
-        let what = "has no measurement yet".into();
-        return Err(TrainError::Content { path, what });
+        let what = "nothing was measured yet: go on with the run until its first measurement (`measure_every` of its settings)";
+        return Err(content(what));
     };
     let held_out = last.values.keys().filter(|name| name.starts_with("held_out"));
     let parts = last.values.keys().filter(|name| !name.starts_with("held_out"));
@@ -81,7 +86,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("<b>run");
         std::fs::create_dir_all(&path).unwrap();
-        assert!(curves(&path).is_err());
+        assert!(curves(&path).unwrap_err().to_string().contains("holds no run"));
+        std::fs::write(path.join(CHECKPOINT), "").unwrap();
+        assert!(curves(&path).unwrap_err().to_string().contains("nothing was measured yet"));
         let row = |step: u64| Row {
             step,
             loss: 100.0 / step as f64,

@@ -6,6 +6,9 @@ use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
 
+/// The file in a run's folder.
+pub(crate) const LOG: &str = "log.jsonl";
+
 /// A line of `log.jsonl`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {

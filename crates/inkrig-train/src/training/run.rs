@@ -3,12 +3,13 @@
 use super::adamw::{AdamW, Moments, clip};
 use super::checkpoint::{CHECKPOINT, Checkpoint, State};
 use super::course::{Course, Optimiser};
-use super::log::{self, Row};
+use super::log::{self, LOG, Row};
 use super::muon::{self, Matrix};
 use super::rate::rate;
 use super::stage::{Stage, Weights, network};
 use crate::TrainError;
 use inkrig_generate::weights::Tensors;
+use std::io::ErrorKind;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
@@ -40,6 +41,38 @@ pub struct Report {
     pub complete: bool,
 }
 
+/// Makes the folder of a run, unless it is there already.
+pub(crate) fn open_folder(folder: &Path) -> Result<(), TrainError> {
+    check_folder(folder)?;
+    std::fs::create_dir_all(folder).map_err(|cause| TrainError::File { path: folder.into(), cause })
+}
+
+/// Takes a folder that is not there yet, is empty, or is a run's.
+///
+/// # Errors
+/// When it holds other files, or cannot be read.
+pub fn check_folder(folder: &Path) -> Result<(), TrainError> {
+    let failed = |cause| TrainError::File { path: folder.into(), cause };
+    let entries = match std::fs::read_dir(folder) {
+        Err(cause) if cause.kind() == ErrorKind::NotFound => return Ok(()),
+        entries => entries.map_err(failed)?,
+    };
+    let mut is_empty = true;
+    for entry in entries {
+        let name = entry.map_err(failed)?.file_name();
+        if [CHECKPOINT, LOG, "best.safetensors", "last.safetensors"].iter().any(|own| name == **own) {
+            return Ok(());
+        }
+        // What a killed run was about to write.
+        is_empty &= name.as_encoded_bytes().starts_with(b".");
+    }
+    if is_empty {
+        return Ok(());
+    }
+    let what = "holds other files: give an empty or a new folder for the run".into();
+    Err(TrainError::Content { path: folder.into(), what })
+}
+
 /// Runs a stage from these weights to its end or until it is stopped; gives also the last weights, as they were written.
 pub(super) fn run<S: Stage>(
     stage: &S,
@@ -48,10 +81,10 @@ pub(super) fn run<S: Stage>(
     progress: &mut OnStep<'_>,
 ) -> Result<(Report, Tensors), TrainError> {
     let folder = place.folder;
-    std::fs::create_dir_all(folder).map_err(|cause| TrainError::File { path: folder.into(), cause })?;
+    open_folder(folder)?;
     let mut run = Run::open(stage, first, place)?;
     let course = stage.course();
-    let log_path = folder.join("log.jsonl");
+    let log_path = folder.join(LOG);
     let mut rows = log::read_until(&log_path, run.moments.step)?;
     let began = Instant::now();
     let mut sums = vec![0.0; S::PARTS.len() + 2];
@@ -228,4 +261,24 @@ impl<'a, S: Stage> Run<'a, S> {
 fn follow(average: &mut [f32], weights: &[f32], keep: f64, step: u64) {
     let keep = keep.min((step + 1) as f64 / (step + 10) as f64) as f32;
     average.iter_mut().zip(weights).for_each(|(mean, &weight)| *mean = keep * *mean + (1.0 - keep) * weight);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_of_others_is_no_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let run = folder.path().join("run");
+        check_folder(&run).unwrap();
+        open_folder(&run).unwrap();
+        let put = |name: &str| std::fs::write(run.join(name), "").unwrap();
+        put(".tmp1");
+        check_folder(&run).unwrap();
+        put("thesis.txt");
+        assert!(check_folder(&run).unwrap_err().to_string().contains("holds other files"));
+        put(LOG);
+        check_folder(&run).unwrap();
+    }
 }

@@ -10,7 +10,8 @@ use crate::printable::{self, fixed};
 use inkrig_train::TrainError;
 use inkrig_train::training::{
     AlignSettings, ControlSettings, DenoiserSettings, DistillSettings, OnStep, Place, Reconstruction, Report,
-    Row, VaeSettings, curves, train_align, train_control, train_denoiser, train_distill, train_vae,
+    Row, VaeSettings, check_folder, curves, train_align, train_control, train_denoiser, train_distill,
+    train_vae,
 };
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -69,6 +70,7 @@ fn watched<T>(
     console: &Console,
     stage: impl FnOnce(&Place<'_>, &mut OnStep<'_>) -> Result<T, TrainError>,
 ) -> Result<T, CliError> {
+    check_folder(&run.out)?;
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let place = Place {
         corpus: &run.corpus,

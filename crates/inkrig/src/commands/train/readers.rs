@@ -9,6 +9,7 @@ use inkrig_train::TrainError;
 use inkrig_train::reading::{
     OnStep, SketchRow, SketchSettings, WordRow, WordSettings, train_sketch, train_word,
 };
+use inkrig_train::training::check_folder;
 use serde::Serialize;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -56,6 +57,7 @@ fn teach<R: Serialize>(
     line: impl Fn(&R) -> String,
     train: impl FnOnce(&mut OnStep<'_, R>) -> Result<(Vec<R>, bool), TrainError>,
 ) -> Result<(), CliError> {
+    check_folder(&pace.out)?;
     let began = Instant::now();
     let bar: Bar = console.bar("training");
     let (rows, complete) = train(&mut |step, steps, row| {
