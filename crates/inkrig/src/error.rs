@@ -87,6 +87,15 @@ pub enum CliError {
     /// A corpus that cannot be built.
     #[error("{}", printable::text(.0))]
     Train(Box<TrainError>),
+    /// A corpus that has no clip of a verb.
+    #[error(
+        "{}: no clip of its training split says by a verb what is done, so it has no motions to begin with: give words to its clips (`words`, `text` or `index` in its configuration), or leave --examples out",
+        printable::path(path)
+    )]
+    NoVerbs {
+        /// The corpus.
+        path: PathBuf,
+    },
     /// A drawing that cannot be understood.
     #[error("{}: {}", printable::path(path), printable::text(cause))]
     Curve {
@@ -296,8 +305,14 @@ pub enum CliError {
         distilled: bool,
     },
     /// A length that a model cannot make.
-    #[error("--length is {frames} frames of 20 a second, but {} makes 2 to {most}", printable::path(path))]
+    #[error(
+        "{flag} is {} of 20 a second, but {} makes 2 to {most}",
+        printable::counted(*frames, "frame"),
+        printable::path(path)
+    )]
     LengthOfModel {
+        /// By what it was asked for.
+        flag: &'static str,
         /// The model.
         path: PathBuf,
         /// What was asked for.

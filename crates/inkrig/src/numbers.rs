@@ -51,6 +51,11 @@ pub(crate) fn threads(text: &str) -> Result<usize, String> {
     within(text, 1..=1024, "threads")
 }
 
+/// Clips that are measured on.
+pub(crate) fn windows(text: &str) -> Result<usize, String> {
+    within(text, 1..=1_000_000, "clips")
+}
+
 /// Repeats of a measurement.
 pub(crate) fn repeats(text: &str) -> Result<usize, String> {
     within(text, 1..=1000, "runs")

@@ -106,7 +106,7 @@ pub struct EvaluateStoryboardArgs {
     #[arg(long, default_value = "test")]
     pub split: SplitArg,
     /// How many clips, spread over all
-    #[arg(long, default_value_t = 30)]
+    #[arg(long, default_value_t = 30, value_parser = numbers::windows, allow_negative_numbers = true)]
     pub windows: usize,
     /// Steps from noise to motion: ddim (50), or 1, 2 or 4 of a model that was distilled for few
     #[arg(long)]
@@ -138,7 +138,7 @@ pub struct EvaluateOnArgs {
     #[arg(long, default_value_t = 40)]
     pub frames: usize,
     /// At most so many clips, spread over all [default: all for reconstruction, 100 for control]
-    #[arg(long)]
+    #[arg(long, value_parser = numbers::windows, allow_negative_numbers = true)]
     pub windows: Option<usize>,
 }
 

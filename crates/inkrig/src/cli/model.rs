@@ -22,7 +22,7 @@ pub enum ModelCommand {
     Import(ModelImportArgs),
     /// Make a model that was trained ready to be given away: half precision, a name, where it comes from
     #[command(
-        after_help = "Examples:\n  inkrig model pack runs/align/best.safetensors --name mine --data \"my own clips\" --licence CC0 -o mine.safetensors\n  inkrig model pack runs/distill/best.safetensors --without mine.safetensors -o mine-quick.safetensors\n      only what differs from mine.safetensors: the two belong together"
+        after_help = "Examples:\n  inkrig model pack runs/align/best.safetensors --name mine --data \"my own clips\" --licence CC0 -o mine.safetensors\n  inkrig model pack runs/quick/best.safetensors -o mine-quick.safetensors\n      a whole model too, for inkrig generate --model mine-quick.safetensors --steps 2; licence and credit are those of the weights it began with\n  inkrig model pack runs/quick/best.safetensors --without models/clean.safetensors -o models/clean-quick.safetensors\n      only what differs, for whoever builds inkrig with these two files in it: --model takes whole models only"
     )]
     Pack(ModelPackArgs),
     /// Say what is in a model file, or in weights that PyTorch saved
@@ -74,7 +74,7 @@ pub struct ModelPackArgs {
     /// The model file to write
     #[arg(long, short, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
-    /// Leave out the weights that this model has, too
+    /// Leave out the weights that this model has, too. Only to build inkrig with both inside: --model takes no such file
     #[arg(long, value_name = "FILE.safetensors", value_hint = ValueHint::FilePath)]
     pub without: Option<PathBuf>,
     /// What to call the model [default: the file's name]
@@ -86,12 +86,15 @@ pub struct ModelPackArgs {
     /// How much more its words shall count than no word does, if --text-weight of inkrig generate does not say
     #[arg(long, value_name = "WEIGHT", value_parser = numbers::text_weight, allow_negative_numbers = true)]
     pub text_weight: Option<f64>,
-    /// What it was trained on
-    #[arg(long, value_name = "TEXT", default_value = "not stated")]
-    pub data: String,
-    /// What may be done with it
-    #[arg(long, value_name = "TEXT", default_value = "not stated: ask its authors")]
-    pub licence: String,
+    /// What it was trained on [default: as the model file says]
+    #[arg(long, value_name = "TEXT")]
+    pub data: Option<String>,
+    /// What may be done with it; credit that the model file asks for is added [default: as the model file says]
+    #[arg(long, value_name = "TEXT")]
+    pub licence: Option<String>,
+    /// Leave out the credit that the model file asks for
+    #[arg(long, requires = "licence")]
+    pub no_credit: bool,
     /// Replace a file that is there already
     #[arg(long)]
     pub force: bool,

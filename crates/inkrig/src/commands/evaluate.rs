@@ -127,7 +127,12 @@ fn of_control(
 fn held_out(on: &EvaluateOnArgs, model: &Model, usual: usize) -> Result<Vec<EvaluationWindow>, CliError> {
     let most = model.header.sizes.most_frames();
     if !(2..=most).contains(&on.frames) {
-        return Err(CliError::LengthOfModel { path: model.path.clone(), frames: on.frames, most });
+        return Err(CliError::LengthOfModel {
+            flag: "--frames",
+            path: model.path.clone(),
+            frames: on.frames,
+            most,
+        });
     }
     let manifest = Manifest::read(&on.corpus)?;
     Ok(windows(&manifest, on.split.into(), on.frames, on.windows.unwrap_or(usual))?)

@@ -11,6 +11,8 @@ use inkrig_generate::checkpoint::{
     Safetensors, TensorSource, TorchFile, read_statistics, to_half, write_model,
 };
 use inkrig_generate::configuration::TextEncoderKind;
+use inkrig_generate::readers::file as readers;
+use inkrig_generate::sampling::Examples;
 use inkrig_generate::weights::Tensor;
 use inkrig_train::training::examples;
 use serde::Serialize;
@@ -33,6 +35,17 @@ fn import(args: &ModelImportArgs, console: &Console) -> Result<(), CliError> {
     let output = Output { force: args.force };
     output.check(&args.output)?;
     let stage = console.stage(format!("reading {}", printable::path(&args.file)));
+    if is_safetensors(&args.file) {
+        let file = Safetensors::open(file(&args.file)?).map_err(wrong)?;
+        let own = |what: &str, todo| wrong(CheckpointError::Unsupported { what: what.into(), todo });
+        if ModelFile::is_of(&file) {
+            return Err(own("this is a model file of inkrig already", "give it to --model as it is"));
+        }
+        if readers::header(&file).is_some() {
+            let todo = "give it to --weights of inkrig sketch read or inkrig sketch word as it is";
+            return Err(own("these are weights of a reader of inkrig already", todo));
+        }
+    }
     let mut source = open(&args.file)?;
     let plan = Import::plan(source.listed(), args.evaluator).map_err(wrong)?;
     let (statistics, skeleton) = match &args.stats {
@@ -87,7 +100,7 @@ fn inspect(args: &ModelInspectArgs, console: &Console) -> Result<(), CliError> {
             // All of it is read, so that a damaged one is found.
             model.tensors().map_err(wrong)?;
             drop(stage);
-            let mut facts = Facts::of_plan(&Import::plan(model.listed(), true).map_err(wrong)?);
+            let mut facts = Facts::of_plan(&Import::of_model(model.header(), model.listed()).map_err(wrong)?);
             for lacking in
                 [model.header().statistics().err(), model.header().skeleton().err()].into_iter().flatten()
             {
@@ -96,11 +109,16 @@ fn inspect(args: &ModelInspectArgs, console: &Console) -> Result<(), CliError> {
             facts.header = Some(model.header().clone());
             facts
         }
-        // Without a header of ours it may still be weights to import.
-        Some(Err(error)) if !matches!(error, CheckpointError::Unsupported { .. }) => {
-            return Err(wrong(error));
+        // Without a header of ours it may still be a reader's, or weights to import.
+        Some(Err(error)) => {
+            let mut weights = Safetensors::open(file(&args.file)?).map_err(wrong)?;
+            match readers::header(&weights) {
+                _ if ModelFile::is_of(&weights) => return Err(wrong(error)),
+                Some(header) => Facts::of_reader(&header, &mut weights).map_err(wrong)?,
+                None => Facts::of_plan(&Import::plan(weights.listed(), false).map_err(wrong)?),
+            }
         }
-        _ => Facts::of_plan(&Import::plan(open(&args.file)?.listed(), false).map_err(wrong)?),
+        None => Facts::of_plan(&Import::plan(open(&args.file)?.listed(), false).map_err(wrong)?),
     };
     console.say(format!("{}: {}", printable::path(&args.file), facts.table()))?;
     console.result(&facts)
@@ -113,6 +131,7 @@ struct Packed {
     tensors: usize,
     numbers: usize,
     bytes: u64,
+    warnings: Vec<String>,
     header: ModelHeader,
 }
 
@@ -131,11 +150,14 @@ fn pack(args: &ModelPackArgs, console: &Console) -> Result<(), CliError> {
     let (header, mut tensors) = read(&args.file)?;
     if let Some(corpus) = &args.examples {
         let found = examples(corpus, &header, &tensors).map_err(|cause| CliError::Train(Box::new(cause)))?;
+        if found.get(Examples::VERBS).is_none_or(|verbs| verbs.data().is_empty()) {
+            return Err(CliError::NoVerbs { path: corpus.clone() });
+        }
         tensors.extend(found);
     }
-    let base = args.without.as_deref().map(read).transpose()?.map(|(_, tensors)| tensors);
+    let base = args.without.as_deref().map(read).transpose()?;
     let same = |name: &str, tensor: &Tensor| {
-        let base = base.as_ref().and_then(|base| base.get(name));
+        let base = base.as_ref().and_then(|(_, base)| base.get(name));
         base.is_some_and(|base| {
             base.shape() == tensor.shape() && halved(base.data()) == halved(tensor.data())
         })
@@ -149,11 +171,27 @@ fn pack(args: &ModelPackArgs, console: &Console) -> Result<(), CliError> {
             kind: NumberKind::F16,
         })
         .collect();
+    if kept.is_empty() {
+        let what =
+            "all its weights are in the model that is given by --without, too: nothing is left to write";
+        let cause = Box::new(CheckpointError::Incomplete { what: what.into() });
+        return Err(CliError::Model { path: args.file.clone(), cause });
+    }
     let stem = args.file.file_stem().unwrap_or_default().to_string_lossy();
+    let (licence, warning) = licence(args, &header.licence);
+    let warnings: Vec<String> = warning.into_iter().collect();
+    for warning in &warnings {
+        console.warn(warning);
+    }
+    let said = Some(header.data.clone()).filter(|data| !data.is_empty());
     let about = ModelHeader {
         name: args.name.clone().unwrap_or_else(|| stem.into_owned()),
-        data: args.data.clone(),
-        licence: args.licence.clone(),
+        data: args.data.clone().or(said).unwrap_or_else(|| "not stated".into()),
+        licence,
+        laid_over: match base {
+            Some((base, _)) if kept.len() < tensors.len() => Some(base.name),
+            _ => header.laid_over.clone(),
+        },
         text_weight: args.text_weight.map(|weight| weight as f32).or(header.text_weight),
         ..header
     };
@@ -169,11 +207,31 @@ fn pack(args: &ModelPackArgs, console: &Console) -> Result<(), CliError> {
     drop(stage);
     let numbers = listed.iter().map(Listed::numbers).sum();
     let bytes = std::fs::metadata(&args.output).map_or(0, |facts| facts.len());
-    let facts =
-        Packed { output: printable::json_path(&args.output), tensors: listed.len(), numbers, bytes, header };
+    let output = printable::json_path(&args.output);
+    let facts = Packed { output, tensors: listed.len(), numbers, bytes, warnings, header };
     let (tensors, size) = (counted(facts.tensors, "tensor"), bytes as f64 / 1e6);
     console.say(format!("wrote {}: {tensors}, {size:.1} MB", printable::path(&args.output)))?;
     console.result(&facts)
+}
+
+/// What may be done with a packed model, and what to say where that is not all that its source says.
+fn licence(args: &ModelPackArgs, source: &str) -> (String, Option<String>) {
+    const NOT_STATED: &str = "not stated: ask its authors";
+    let source = if source.trim().is_empty() { NOT_STATED } else { source };
+    let Some(asked) = &args.licence else { return (source.into(), None) };
+    let credit = source.split_once("credit:").map_or("", |(_, credit)| credit.trim());
+    if source == NOT_STATED || asked.contains(source) {
+        return (asked.clone(), None);
+    }
+    let shown = format!("the licence of {} is: {}", printable::path(&args.file), printable::text(source));
+    if credit.is_empty() || asked.contains(credit) {
+        return (asked.clone(), Some(format!("{shown}; --licence takes its place: it must allow that")));
+    }
+    if args.no_credit {
+        return (asked.clone(), Some(format!("{shown}; its credit is left out: it must allow that")));
+    }
+    let what = "--licence takes its place, and its credit stays (--no-credit leaves it out)";
+    (format!("{asked}; credit: {credit}"), Some(format!("{shown}; {what}")))
 }
 
 /// As they are once they were written in half precision.
@@ -259,6 +317,29 @@ impl Facts {
         }
     }
 
+    /// Of a reader of drawings. All of it is read, so that a damaged one is found.
+    fn of_reader(header: &readers::Header, file: &mut Safetensors<File>) -> Result<Self, CheckpointError> {
+        for at in 0..file.listed().len() {
+            file.read(at)?;
+        }
+        let (model, name) = match header.reads.as_str() {
+            "sketch" => ("a reader of inkrig, of drawn figures", "figures"),
+            "word" => ("a reader of inkrig, of words written by hand", "words"),
+            _ => ("a reader of inkrig, of a kind that this program does not know", "others"),
+        };
+        let numbers = file.listed().iter().map(Listed::numbers).sum();
+        let network =
+            Network { name, tensors: file.listed().len(), numbers, missing: Vec::new(), not_read: 0 };
+        let remarks = Some(printable::text(&header.card)).filter(|card| !card.is_empty());
+        Ok(Self {
+            model,
+            networks: vec![network],
+            not_read: Vec::new(),
+            remarks: remarks.into_iter().collect(),
+            header: None,
+        })
+    }
+
     fn table(&self) -> String {
         let mut text = format!(
             "{}\n\n  {:26}{:>8}{:>12}{:>9}{:>10}",
@@ -287,6 +368,9 @@ impl Facts {
             let _ = write!(text, "\nnot read: {}, such as {first}: {why}", counted(*tensors, "tensor"));
         }
         if let Some(header) = &self.header {
+            if let Some(base) = &header.laid_over {
+                let _ = write!(text, "\nthe other weights are in: {}", printable::text(base));
+            }
             let _ = write!(
                 text,
                 "\nname: {}\ntrained on: {}\nlicence: {}\ntext: {}",

@@ -16,7 +16,7 @@ use std::process::Command;
 
 const WORD: [&str; 7] = ["generate", "--model", "m.safetensors", "--word", "kick", "-o", "k.bvh"];
 
-fn header(guidance_width: usize) -> ModelHeader {
+pub(crate) fn header(guidance_width: usize) -> ModelHeader {
     let sizes = Sizes { guidance_width, ..Sizes::tiny() };
     let statistics = ModelStatistics {
         mean: vec![0.0; WIDTH],
@@ -32,7 +32,7 @@ fn header(guidance_width: usize) -> ModelHeader {
     }
 }
 
-fn model(header: &ModelHeader, parts: Parts) -> Vec<u8> {
+pub(crate) fn model(header: &ModelHeader, parts: Parts) -> Vec<u8> {
     let (mut weights, width) = (hashed(&header.sizes, parts), header.sizes.text_width);
     let verbs = (0..VERBS.len() * width).map(|at| (at as f32 * 0.7).sin()).collect();
     weights.insert(VerbTable::VERBS, Tensor::new(vec![VERBS.len(), width], verbs).unwrap());

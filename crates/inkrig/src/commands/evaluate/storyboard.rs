@@ -39,6 +39,7 @@ struct Record {
 pub(super) fn run(args: &EvaluateStoryboardArgs, console: &Console) -> Result<(), CliError> {
     let stage = console.stage("reading the model and the corpus");
     let mut model = Model::asked(named_model(args.model.as_ref()).as_deref(), args.steps)?;
+    let body = model.body()?;
     let encoder = model.read(None)?;
     let reader = readers::sketch(None)?;
     let manifest = Manifest::read(&args.corpus)?;
@@ -53,7 +54,7 @@ pub(super) fn run(args: &EvaluateStoryboardArgs, console: &Console) -> Result<()
         features: &model.features,
         places: &model.places,
         no_text: &no_text,
-        body: &model.body,
+        body: &body,
         usual_frames: frames,
     };
     let options = |drawn: bool, guided: bool| MakerOptions {
@@ -80,7 +81,7 @@ pub(super) fn run(args: &EvaluateStoryboardArgs, console: &Console) -> Result<()
     for (at, window) in windows.iter().enumerate() {
         let drawing = draw_window(window, args.seed.wrapping_add(at as u64));
         let read = read_figure(&drawing.frame, at + 1, &reader)
-            .and_then(|figure| understand(&drawing.frame, at + 1, figure, &model.body, None));
+            .and_then(|figure| understand(&drawing.frame, at + 1, figure, &body, None));
         let read = match read {
             Ok(read) => read,
             Err(cause) => {
@@ -104,7 +105,7 @@ pub(super) fn run(args: &EvaluateStoryboardArgs, console: &Console) -> Result<()
                 Some((before, clip)) if before == *options => clip,
                 _ => maker.clip(at + 1, &read.plan, &text, options).map_err(failed)?,
             };
-            let whole = animation(std::slice::from_ref(&clip), None, &model.body, exact).map_err(failed)?;
+            let whole = animation(std::slice::from_ref(&clip), None, &body, exact).map_err(failed)?;
             row.add(Measured::of(window, &drawing, &read, &whole));
             made = Some((options.clone(), clip));
         }

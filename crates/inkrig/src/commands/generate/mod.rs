@@ -49,6 +49,7 @@ pub(super) fn run(args: &GenerateArgs, run: &Run<'_>, console: &Console) -> Resu
     }
     let stage = console.stage("reading the model");
     let mut model = Model::asked(named.as_deref(), args.steps)?;
+    let body = model.body()?;
     let frames = model.frames(args)?;
     let wanted = Wanted {
         trajectory: args.trajectory3d.as_deref().map(|path| trajectory(path, frames)).transpose()?,
@@ -62,7 +63,7 @@ pub(super) fn run(args: &GenerateArgs, run: &Run<'_>, console: &Console) -> Resu
     }
     drop(stage);
     let stage = console.stage("making the motion");
-    let made = model.generate(args, &wanted, &options, encoder.as_ref())?;
+    let made = model.generate(args, (&wanted, &body), &options, encoder.as_ref())?;
     let humanoid = HUMANOID.map(|(name, joint)| HumanBone { name, joint }).to_vec();
     let export = ExportOptions { name: Some(args.word.clone()), humanoid, ..ExportOptions::default() };
     let written = write_motion(&made.clip, format, &export)?;
@@ -132,7 +133,6 @@ pub(in crate::commands) struct Model {
     configuration: Configuration,
     pub(in crate::commands) features: Statistics,
     pub(in crate::commands) places: Statistics,
-    pub(in crate::commands) body: Joints,
     networks: Option<Networks>,
 }
 
@@ -159,6 +159,9 @@ impl Model {
         let wrong = |cause: CheckpointError| CliError::Model { path: path.into(), cause: Box::new(cause) };
         let base = ModelFile::open(base).map_err(wrong)?;
         let over = over.map(ModelFile::open).transpose().map_err(wrong)?;
+        if !base.is_whole() {
+            return Err(wrong(CheckpointError::Incomplete { what: not_whole(base.header()) }));
+        }
         let header = over.as_ref().unwrap_or(&base).header().clone();
         if !header.licence.is_empty() {
             let note = LicenceNote { text: header.licence.clone(), from: "its header".into() };
@@ -168,19 +171,8 @@ impl Model {
             }
         }
         let (features, places) = header.statistics().map_err(wrong)?;
-        let body = header.skeleton().map_err(wrong)?;
         let configuration = configuration(&header, path)?;
-        Ok(Self {
-            path: path.into(),
-            base,
-            over,
-            header,
-            configuration,
-            features,
-            places,
-            body,
-            networks: None,
-        })
+        Ok(Self { path: path.into(), base, over, header, configuration, features, places, networks: None })
     }
 
     /// The length that was asked for, if the networks can make it.
@@ -189,7 +181,7 @@ impl Model {
         if (2..=most).contains(&frames) {
             return Ok(frames);
         }
-        Err(CliError::LengthOfModel { path: self.path.clone(), frames, most })
+        Err(CliError::LengthOfModel { flag: "--length", path: self.path.clone(), frames, most })
     }
 
     fn options(&self, args: &GenerateArgs) -> Result<SamplingOptions, CliError> {
@@ -210,6 +202,12 @@ impl Model {
         steps: Option<StepsArg>,
     ) -> Result<Self, CliError> {
         named.map_or_else(|| Self::shipped(steps), Self::open)
+    }
+
+    /// The bones of its body: motions are made on it, measuring needs none.
+    pub(in crate::commands) fn body(&self) -> Result<Joints, CliError> {
+        let wrong = |cause| CliError::Model { path: self.path.clone(), cause: Box::new(cause) };
+        self.header.skeleton().map_err(wrong)
     }
 
     /// Reads the weights.
@@ -258,7 +256,7 @@ impl Model {
     fn generate(
         &self,
         args: &GenerateArgs,
-        wanted: &Wanted,
+        (wanted, body): (&Wanted, &Joints),
         options: &SamplingOptions,
         encoder: &dyn TextEncoder,
     ) -> Result<Made, CliError> {
@@ -292,7 +290,7 @@ impl Model {
         rows.truncate(wanted.frames * WIDTH);
         self.features.restore(&mut rows);
         let mut made = Made {
-            clip: self.clip(&rows).map_err(|cause| wrong(cause.into()))?,
+            clip: clip(body, &rows).map_err(|cause| wrong(cause.into()))?,
             guided: sampled.guided,
             ground: None,
         };
@@ -324,12 +322,24 @@ impl Model {
             },
         }
     }
+}
 
-    /// The motion on the model's body, by the joints' places: those are what conditions and guidance are about.
-    fn clip(&self, rows: &[f32]) -> Result<Clip, inkrig_motion::MotionError> {
-        let frames = recover_positions(&Features::new(rows.to_vec(), WIDTH)?)?;
-        to_clip(&frames, &Arc::new(skeleton(&self.body, &frames)?), FRAME_RATE)
+/// The motion on the model's body, by the joints' places: those are what conditions and guidance are about.
+fn clip(body: &Joints, rows: &[f32]) -> Result<Clip, inkrig_motion::MotionError> {
+    let frames = recover_positions(&Features::new(rows.to_vec(), WIDTH)?)?;
+    to_clip(&frames, &Arc::new(skeleton(body, &frames)?), FRAME_RATE)
+}
+
+/// Why a model that has only some weights cannot be used, and where the others are.
+fn not_whole(header: &ModelHeader) -> String {
+    let quick = ModelFile::open(Cursor::new(QUICK.bytes)).map(|quick| quick.header().sha256.clone());
+    if quick.is_ok_and(|quick| quick == header.sha256) {
+        return "it has only the weights in which it differs from clean.safetensors, and both come inside the program: leave --model out and say --steps 2".into();
     }
+    let base = header.laid_over.as_deref().unwrap_or("another model");
+    format!(
+        "it has only the weights in which it differs from {base}: pack it once more from what training wrote, and leave --without out"
+    )
 }
 
 /// How a model's motions are sampled, if nothing else is said.

@@ -146,11 +146,11 @@ pub(super) fn by_example(
 ) -> Result<(Made, Vec<Retrieved>), CliError> {
     let plans: Vec<_> = asked.iter().map(|asked| asked.read.plan.clone()).collect();
     let exact = exactness(workshop.settings.exact);
-    let (body, drawn) = (&workshop.model.body, exact != Exact::Off);
-    let answers = library.answers(&plans, body, drawn).map_err(wrong(workshop.path))?;
+    let (body, drawn) = (workshop.model.body()?, exact != Exact::Off);
+    let answers = library.answers(&plans, &body, drawn).map_err(wrong(workshop.path))?;
     let (clips, retrieved): (Vec<Generated>, Vec<Retrieved>) =
         answers.into_iter().map(|answer| (answer.clip, answer.retrieved)).unzip();
-    let animation = animation(&clips, None, body, &exact).map_err(wrong(workshop.path))?;
+    let animation = animation(&clips, None, &body, &exact).map_err(wrong(workshop.path))?;
     let ranked = clips.iter().map(|clip| Arc::from(vec![clip.clone()])).collect();
     Ok((Made { clips, ranked, animation }, retrieved))
 }

@@ -151,7 +151,7 @@ impl<'a> Reader<'a> {
         let wrong = wrong(self.path);
         let figure = read_figure(frame, number, &self.figures).map_err(&wrong)?;
         let read =
-            understand(frame, number, figure, &self.model.body, self.words.as_ref()).map_err(&wrong)?;
+            understand(frame, number, figure, &self.model.body()?, self.words.as_ref()).map_err(&wrong)?;
         let most = self.model.header.sizes.most_frames();
         if read.plan.frames > most {
             return Err(wrong(StoryboardError::Frame {
@@ -271,13 +271,13 @@ impl Workshop<'_> {
         let Self { model, encoder, settings, path } = *self;
         let wrong = wrong(path);
         let no_text = encoder.encode("").map_err(|cause| about(&model.path, cause))?;
-        let networks = model.networks()?;
+        let (networks, body) = (model.networks()?, model.body()?);
         let maker = Maker {
             networks,
             features: &model.features,
             places: &model.places,
             no_text: &no_text,
-            body: &model.body,
+            body: &body,
             usual_frames: model.usual_frames(),
         };
         let (mut made, mut ranked, mut texts) = (Vec::new(), Vec::new(), Vec::new());
@@ -323,8 +323,7 @@ impl Workshop<'_> {
         let blender = Blender { sampler: &sampler, texts: &both, options: &blending };
         let blender = Some(blender).filter(|_| settings.blend == BlendArg::Model);
         let exact = exactness(settings.exact);
-        let body = &model.body;
-        let animation = on(threads, || animation(&clips, blender, body, &exact))
+        let animation = on(threads, || animation(&clips, blender, &body, &exact))
             .map_err(|cause| wrong(of_row(cause, &frames)))?;
         Ok(Made { clips, ranked, animation })
     }

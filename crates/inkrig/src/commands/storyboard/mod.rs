@@ -77,6 +77,7 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
         args.onto.as_ref().map(|path| Character::read(path, console, &mut warnings)).transpose()?;
     let stage = console.stage("reading the model");
     let mut model = Model::asked(named.as_deref(), args.steps)?;
+    model.body()?;
     let encoder = model.read(args.text_model.as_deref())?;
     drop(stage);
     let stage = console.stage("reading the drawings");
