@@ -46,6 +46,9 @@ pub const MAX_STORYBOARD_EDITS: usize = 2000;
 pub const MAX_STORYBOARD_CONSTRAINTS: usize = 64;
 /// Farthest that a place of an edit or a constraint is from where its clip begins, along each axis, metres.
 pub const MAX_STORYBOARD_METRES: f64 = 100.0;
+/// Farthest that a pin of a storyboard is from what is drawn in its frame, in longer sides of the drawing: twenty pages off is a
+/// number typed wrongly, not a place.
+pub const MAX_STORYBOARD_PIN_PAGES: f64 = 20.0;
 /// Most motions of a storyboard's frame that one can be taken of.
 pub const MAX_STORYBOARD_TAKES: u32 = 64;
 /// The largest number of a storyboard's frame.

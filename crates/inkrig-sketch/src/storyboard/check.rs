@@ -4,8 +4,9 @@ use super::{Frame, Storyboard, Stroke};
 use crate::SketchError;
 use crate::builder::{check_pressure, check_time};
 use crate::limits::{
-    MAX_MAGNITUDE, MAX_STORYBOARD_FRAMES, MAX_STORYBOARD_NUMBER, MAX_STORYBOARD_POINTS,
-    MAX_STORYBOARD_SECONDS, MAX_STORYBOARD_TAKES, MAX_STORYBOARD_TEXT, MIN_STORYBOARD_SECONDS,
+    MAX_MAGNITUDE, MAX_STORYBOARD_FRAMES, MAX_STORYBOARD_NUMBER, MAX_STORYBOARD_PIN_PAGES,
+    MAX_STORYBOARD_POINTS, MAX_STORYBOARD_SECONDS, MAX_STORYBOARD_TAKES, MAX_STORYBOARD_TEXT,
+    MIN_STORYBOARD_SECONDS,
 };
 
 impl Storyboard {
@@ -88,10 +89,19 @@ impl Frame {
                 }
             }
         }
+        let page = if self.pins.is_empty() { None } else { self.page() };
         for pin in &self.pins {
             text(&format!("frame {number}, pin"), &pin.joint)?;
             if let Some(number) = pin.at.iter().find(|number| !is_place(**number)) {
                 return wrong(&format!("pin of {}", pin.joint), format!("{number} is no place"));
+            }
+            if let Some((pages, size)) = page.and_then(|page| off_page(page, pin.at)) {
+                let problem = format!(
+                    "{:?} is {pages:.0} times as far off the drawing as it is large ({size:.0}); at most {MAX_STORYBOARD_PIN_PAGES} \
+                     times are read. Pin it on the drawing, in the same units as its lines",
+                    pin.at
+                );
+                return wrong(&format!("pin of {}", pin.joint), problem);
             }
         }
         for joint in self.trajectories.iter().filter_map(|way| way.joint.as_ref()) {
@@ -99,6 +109,25 @@ impl Frame {
         }
         self.check_space(number)
     }
+}
+
+impl Frame {
+    /// The smallest and the largest coordinates of what is drawn; none where nothing is.
+    fn page(&self) -> Option<[[f64; 2]; 2]> {
+        let points = self.strokes().chain(&self.scene).flat_map(|stroke| &stroke.points);
+        points.fold(None, |page, &[x, y]| {
+            let [[left, low], [right, high]] = page.unwrap_or([[x, y]; 2]);
+            Some([[left.min(x), low.min(y)], [right.max(x), high.max(y)]])
+        })
+    }
+}
+
+/// How far a place is off a page, in longer sides of it, and that side; none where it is near enough, or the page is a point.
+fn off_page([least, most]: [[f64; 2]; 2], at: [f64; 2]) -> Option<(f64, f64)> {
+    let along = |axis: usize| (least[axis] - at[axis]).max(at[axis] - most[axis]).max(0.0);
+    let size = (most[0] - least[0]).max(most[1] - least[1]);
+    let pages = along(0).max(along(1)) / size;
+    (size > 0.0 && pages > MAX_STORYBOARD_PIN_PAGES).then_some((pages, size))
 }
 
 impl Stroke {
@@ -147,4 +176,26 @@ pub(super) fn text(place: &str, value: &str) -> Result<(), SketchError> {
     let problem =
         format!("{} bytes of text; at most {MAX_STORYBOARD_TEXT} are read. Shorten it", value.len());
     Err(SketchError::Storyboard { place: place.into(), problem })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::storyboard::Pin;
+
+    #[test]
+    fn a_pin_far_off_the_drawing_is_no_place() {
+        let board = |x: f64| {
+            let pins = vec![Pin { joint: "right_wrist".into(), at: [x, 2.0] }];
+            let body = vec![Stroke::new(vec![[0.0, 0.0], [50.0, 100.0]])];
+            Storyboard { frames: vec![Frame { body, pins, ..Frame::default() }], ..Storyboard::default() }
+        };
+        assert!(board(1000.0).check().is_ok() && board(-1900.0).check().is_ok());
+        let said = board(1e6).check().unwrap_err().to_string();
+        assert!(said.contains("pin of right_wrist") && said.contains("10000 times as far off"), "{said}");
+        assert!(board(-2100.0).check().is_err());
+        let mut alone = board(1e6);
+        alone.frames[0].body.clear();
+        assert!(alone.check().is_ok(), "without a drawing any unit may be meant");
+    }
 }

@@ -146,6 +146,23 @@ fn a_joint_is_put_in_space_and_ends_can_be_kept() {
 }
 
 #[test]
+fn a_pin_that_is_missed_is_said_and_one_off_all_paper_refused() {
+    let (_keep, folder) = desk();
+    let mut board: serde_json::Value =
+        serde_json::from_slice(inkrig::samples::find("kick.json").unwrap().bytes).unwrap();
+    let mut pinned = |name: &str, x: f64| {
+        board["frames"][0]["pins"] = serde_json::json!([{"joint": "right_wrist", "at": [x, 2]}]);
+        std::fs::write(folder.join(name), board.to_string()).unwrap();
+        let more = ["-o", "out.bvh", "--candidates", "1", "--guide-every", "25"];
+        text(&inkrig(&folder, &[&["storyboard", name], &more[..]].concat()).stderr)
+    };
+    let said = pinned("far.json", 1000.0);
+    assert!(said.contains("frame 1: the pin of right_wrist is missed by"), "{said}");
+    let said = pinned("off.json", 1e6).replace(['\n', '│', ' '], "");
+    assert!(said.contains("timesasfaroffthedrawing"), "{said}");
+}
+
+#[test]
 fn a_frame_takes_over_the_path_of_another() {
     let (_keep, folder) = desk();
     let sample = inkrig::samples::find("walk-and-wave.json").unwrap();

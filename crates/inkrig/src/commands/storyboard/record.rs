@@ -16,6 +16,9 @@ use inkrig_sketch::storyboard::{End, FramePath, Sides};
 use inkrig_storyboard::{Animation, Goal, Retrieved, Source, misses};
 use serde::Serialize;
 
+/// A pin that is farther away than this, metres, is said to be missed.
+const MISSED_PIN: f32 = 0.3;
+
 /// What `--report` and `--json` hold; the names are stable. Lengths are metres.
 #[derive(Serialize)]
 pub(super) struct Record {
@@ -374,6 +377,14 @@ pub(in crate::commands) fn parts(
         let space = SpaceRecord::of(at, &made.animation, &motion, &clip.plan.space);
         warnings
             .extend(space.warnings(exact).into_iter().map(|told| format!("frame {}: {told}", asked.number)));
+        if let Some((joint, miss)) = missed_pin(&motion, goals) {
+            warnings.push(format!(
+                "frame {}: the pin of {} is missed by {} cm, farther than the motion can be brought: move it nearer to the figure, or leave it out",
+                asked.number,
+                name(joint),
+                fixed(100.0 * f64::from(miss), 0)
+            ));
+        }
         let moved = proportioned.get(at).copied().unwrap_or_default();
         if exact == ExactArg::Pin && moved.ways > 0.01 {
             warnings.push(format!(
@@ -416,6 +427,13 @@ pub(in crate::commands) fn parts(
         });
     }
     parts
+}
+
+/// The joint whose pin is missed most, and by how much, metres, where that is more than a motion is meant to miss one by.
+fn missed_pin(motion: &[Joints], goals: &[Goal]) -> Option<(usize, f32)> {
+    let pins = goals.iter().filter(|goal| goal.source == Source::Pin);
+    let missed = pins.map(|goal| (goal.joint, misses(motion, std::slice::from_ref(goal))[1]));
+    missed.filter(|(_, miss)| *miss > MISSED_PIN).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 pub(in crate::commands) fn poses(clip: &Clip) -> Vec<Joints> {
