@@ -7,11 +7,12 @@ use super::{
     parts::Parts,
     shortest,
 };
-use crate::{ExportOptions, Finding, FormatError, HUMAN_BONES, Written, gltf::container};
+use crate::{ExportOptions, Finding, FormatError, HUMAN_BONES, HumanBone, Written, gltf::container};
 use inkrig_motion::{
-    Clip,
+    Clip, Skeleton,
     glam::{Quat, Vec3},
     kinematics::Pose,
+    rig::{Humanoid, Part, Side},
 };
 use serde_json::{Map, Value, json};
 
@@ -34,7 +35,8 @@ const REQUIRED: [&str; 15] = [
     "rightHand",
 ];
 
-/// Writes a clip as a VRMA file. [`ExportOptions::humanoid`] says which joints are the bones; other joints are left out.
+/// Writes a clip as a VRMA file. [`ExportOptions::humanoid`] says which joints are the bones, or where it says none, the
+/// joints' names and the body's build; other joints are left out.
 ///
 /// By the rules of the format the figure rests in a T-pose that faces z with the lowest bone on the ground, only
 /// the hips have translations, and eyes have none: what a clip has beyond that is left out, with a finding.
@@ -83,9 +85,10 @@ struct Bone {
 
 fn bones(clip: &Clip, options: &ExportOptions) -> Result<Vec<Bone>, FormatError> {
     let joints = clip.skeleton().joints();
-    let hint = "a VRMA needs a person whose bones are known, such as one read from a VRM or VRMA file";
-    let known =
-        |name: &str| options.humanoid.iter().find(|bone| bone.name == name && bone.joint < joints.len());
+    let hint = "a VRMA needs a person whose bones are known: a VRM or VRMA file says them, else joints are found by names such as Hips and LeftUpLeg";
+    let found = if options.humanoid.is_empty() { found_bones(clip.skeleton()) } else { Vec::new() };
+    let humanoid = if options.humanoid.is_empty() { &found } else { &options.humanoid };
+    let known = |name: &str| humanoid.iter().find(|bone| bone.name == name && bone.joint < joints.len());
     let missing: Vec<&str> = REQUIRED.into_iter().filter(|name| known(name).is_none()).collect();
     if !missing.is_empty() {
         let what = format!("bones that are not known: {}", missing.join(", "));
@@ -116,6 +119,33 @@ fn bones(clip: &Clip, options: &ExportOptions) -> Result<Vec<Bone>, FormatError>
             Err(FormatError::Write { what, hint: hint.into() })
         }
     }
+}
+
+/// The bones of a person that says none itself, as far as its body is found; none of another body.
+fn found_bones(skeleton: &Skeleton) -> Vec<HumanBone> {
+    let Ok(body) = Humanoid::find(skeleton) else { return Vec::new() };
+    let parts = [
+        (Part::UpperLeg, ["leftUpperLeg", "rightUpperLeg"]),
+        (Part::LowerLeg, ["leftLowerLeg", "rightLowerLeg"]),
+        (Part::Foot, ["leftFoot", "rightFoot"]),
+        (Part::Toes, ["leftToes", "rightToes"]),
+        (Part::Clavicle, ["leftShoulder", "rightShoulder"]),
+        (Part::UpperArm, ["leftUpperArm", "rightUpperArm"]),
+        (Part::LowerArm, ["leftLowerArm", "rightLowerArm"]),
+        (Part::Hand, ["leftHand", "rightHand"]),
+    ];
+    let mut bones =
+        vec![("hips", Some(body.hips)), ("head", body.head), ("neck", body.neck.first().copied())];
+    for (part, names) in parts {
+        bones.extend(names.into_iter().zip(Side::BOTH.map(|side| body.joint(part, side))));
+    }
+    // A spine of more than three joints turns as its lowest, its middle and its uppermost do.
+    let spine = &body.spine;
+    let at = |place: usize| spine.get(place).copied();
+    bones.push(("spine", at(0)));
+    bones.push(("chest", if spine.len() > 1 { at(spine.len() / 2) } else { None }));
+    bones.push(("upperChest", if spine.len() > 2 { at(spine.len() - 1) } else { None }));
+    bones.into_iter().filter_map(|(name, joint)| Some(HumanBone { name, joint: joint? })).collect()
 }
 
 /// The clip's joint rotations that make a T-pose of its figure.
