@@ -71,7 +71,7 @@ pub enum AlignError {
     #[error("the control does not change, so it says nothing of the motion: draw something that moves")]
     StillControl,
     /// An option outside of its range.
-    #[error("{name} is {value}, but must be {range}")]
+    #[error("{name} is {}, but must be {range}", short(*value))]
     Option {
         /// Its name as a flag.
         name: &'static str,
@@ -120,4 +120,19 @@ pub enum AlignError {
     /// From the transport solver.
     #[error(transparent)]
     Transport(#[from] TransportError),
+}
+
+/// A number in few digits, however large or small it is.
+fn short(value: f64) -> String {
+    if value == 0.0 || (1e-6..1e9).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!([short(0.0), short(-0.5), short(1e300)], ["0", "-0.5", "1e300"]);
+    }
 }

@@ -1,6 +1,9 @@
 //! Which clip of a file that holds several is read.
 
-use crate::{ClipChoice, ClipInfo, Finding, FormatError, finding::shown};
+use crate::{ClipChoice, ClipInfo, Finding, FormatError, finding::clean};
+
+/// Names of clips are not cut before so many characters: they are to be copied into `--clip`.
+const LONGEST: usize = 120;
 
 /// Which clip is read: the one asked for, else the one at `usual`; `None` when there is none.
 pub(crate) fn choose(
@@ -11,7 +14,7 @@ pub(crate) fn choose(
 ) -> Result<Option<usize>, FormatError> {
     let names = || {
         let mut names: Vec<String> =
-            clips.iter().take(20).map(|clip| format!("`{}`", shown(&clip.name))).collect();
+            clips.iter().take(20).map(|clip| format!("`{}`", clean(&clip.name, LONGEST))).collect();
         names.extend((clips.len() > 20).then(|| format!("and {} more", clips.len() - 20)));
         names.join(", ")
     };
@@ -21,7 +24,7 @@ pub(crate) fn choose(
             let message = format!(
                 "the file has {} clips and `{}`, {which}, is read; `--clip` chooses another",
                 clips.len(),
-                shown(&clip.name)
+                clean(&clip.name, LONGEST)
             );
             findings.push(Finding::warning("several-clips", message));
         }
@@ -34,7 +37,7 @@ pub(crate) fn choose(
     found.map(Some).ok_or_else(|| FormatError::Options {
         what: match choice {
             ClipChoice::Number(number) => format!("there is no clip number {number} in the file"),
-            ClipChoice::Name(name) => format!("there is no clip `{}` in the file", shown(name)),
+            ClipChoice::Name(name) => format!("there is no clip `{}` in the file", clean(name, LONGEST)),
         },
         hint: if clips.is_empty() { "it has no clips".into() } else { format!("its clips are {}", names()) },
     })

@@ -156,8 +156,8 @@ fn limits_are_said() {
     );
     assert_eq!(
         message(Limits { joints: 2, ..default }),
-        "line 10, column 3, joint `knee_end`: the skeleton has 3 joints or more, more than the limit of 2; leave out joints, or raise the limit if the \
-         file is meant so"
+        "line 10, column 3, joint `knee_end`: the skeleton has 3 joints or more, more than the limit of 2; leave some out where the file is made, \
+         such as those of fingers, hair and cloth"
     );
     assert_eq!(
         message(Limits { name_bytes: 3, ..default }),

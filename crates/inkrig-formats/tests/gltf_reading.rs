@@ -273,7 +273,12 @@ fn clips_are_listed_and_chosen() {
     assert_eq!(with(Some(ClipChoice::Number(2))).unwrap().clip_index, Some(1));
     let error = with(Some(ClipChoice::Name("run".into()))).unwrap_err().to_string();
     assert_eq!(error, "there is no clip `run` in the file; its clips are `bend`, `Rig|Walk`, `clip_3`");
-    for number in [0, 4, usize::MAX] {
+    let long = "Rig_Medium|Melee_1H_Attack_Slice_Diagonal_From_The_Left_To_The_Right_And_Back_Again";
+    doc.animation(long);
+    let with = |clip| read_gltf(&doc.glb(), &ImportOptions { clip, ..Default::default() }, &no_files);
+    let error = with(Some(ClipChoice::Name("run".into()))).unwrap_err().to_string();
+    assert!(error.contains(long), "names are to be copied: {error}");
+    for number in [0, 9, usize::MAX] {
         assert!(with(Some(ClipChoice::Number(number))).is_err());
     }
 }

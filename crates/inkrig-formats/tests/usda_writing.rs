@@ -37,6 +37,12 @@ fn units_and_axes_are_the_files() {
     ] {
         assert!(text.contains(line), "{line} is not in\n{text}");
     }
+    let clip_of =
+        |rate| Clip::new(clip().skeleton().clone(), rate, clip().rotations(0).repeat(2), Vec::new()).unwrap();
+    for (rate, said) in [(30.000000003, "framesPerSecond = 30\n"), (29.97, "framesPerSecond = 29.97\n")] {
+        let text = String::from_utf8(write_usda(&clip_of(rate), &options).unwrap().bytes).unwrap();
+        assert!(text.contains(said), "{text}");
+    }
     let bad = ExportOptions { metres_per_unit: 0.0, ..ExportOptions::default() };
     assert!(write_usda(&clip(), &bad).is_err());
 }

@@ -175,7 +175,8 @@ impl Parser<'_, '_> {
                 what: format!("the skeleton has {} joints or more", joint + 1),
                 limit: self.limits.joints,
                 place: Some(self.lexer.place(keyword, Some(&name))),
-                hint: "leave out joints, or raise the limit if the file is meant so".into(),
+                hint: "leave some out where the file is made, such as those of fingers, hair and cloth"
+                    .into(),
             });
         }
         let brace = self.lexer.word();

@@ -80,10 +80,8 @@ pub(crate) fn read_gltf_with(
     if others.is_some() {
         wanted.extend((0..clips.len()).filter(|index| Some(*index) != chosen));
     }
-    let channels: Vec<_> = wanted
-        .iter()
-        .filter_map(|&index| Channels::of(&document, index, &figure, &mut findings))
-        .collect();
+    let channels: Vec<_> =
+        wanted.iter().filter_map(|&index| Channels::of(&document, index, &figure, &mut findings)).collect();
     let buffers = clips::buffers(&channels, &document, &container, options, files)?;
     let size = bytes.len().saturating_add(buffers.bytes());
     let parts = Parts {

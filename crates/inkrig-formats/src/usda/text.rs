@@ -21,6 +21,9 @@ impl<'a> Text<'a> {
 
     pub(super) fn header(&mut self) {
         let (rate, last) = (self.clip.frame_rate(), self.clip.frames() - 1);
+        // A file that says how long a frame lasts rounds it: 30.000000003 is 30.
+        let whole = rate.round();
+        let rate = if (rate - whole).abs() < 1e-6 * rate { whole } else { rate };
         let up = match self.options.up {
             crate::UpAxis::Y => "Y",
             crate::UpAxis::Z => "Z",
