@@ -7,6 +7,7 @@ use inkrig_formats::{ExportOptions, Format, SourceInfo};
 use inkrig_motion::Clip;
 use inkrig_motion::keyframes::{KeyedClip, RotationForm, SparseOptions, deviation, sparse, stepped};
 use serde::Serialize;
+use std::path::Path;
 
 /// A motion as it is written.
 #[derive(Debug)]
@@ -55,6 +56,19 @@ pub(crate) fn check(args: &BakeArgs) -> Result<(), CliError> {
         mode if mode != BakeMode::Sparse && args.tolerance.is_some() => wrong("--tolerance", "sparse"),
         mode if mode != BakeMode::Stepped && args.on.is_some() => wrong("--on", "stepped"),
         BakeMode::Dense if !args.keep_keys.is_empty() => wrong("--keep-key", "sparse or --bake stepped"),
+        _ => Ok(()),
+    }
+}
+
+/// Says early that a format has no curves between few keys.
+///
+/// # Errors
+/// [`CliError::BakeFormat`] with the path of the result.
+pub(crate) fn check_format(args: &BakeArgs, format: Format, path: &Path) -> Result<(), CliError> {
+    match format {
+        Format::Bvh | Format::Usda | Format::Vrma if args.bake == BakeMode::Sparse => {
+            Err(CliError::BakeFormat { path: path.to_path_buf(), format: format.extension() })
+        }
         _ => Ok(()),
     }
 }

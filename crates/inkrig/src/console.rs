@@ -30,6 +30,8 @@ struct Interrupt {
     pressed: AtomicBool,
     /// How many pieces of work look at it often. Where none does, the handler ends the process itself.
     listeners: AtomicUsize,
+    /// Ctrl-C is the usual end of what goes on.
+    endless: AtomicBool,
 }
 
 impl Console {
@@ -41,6 +43,11 @@ impl Console {
         let installed = ctrlc::set_handler(move || {
             let again = shared.pressed.swap(true, SeqCst);
             if again || shared.listeners.load(SeqCst) == 0 {
+                if !shared.endless.load(SeqCst) {
+                    // As work that listens says it.
+                    let said = miette::Report::new(CliError::from(AlignError::Cancelled));
+                    let _ = writeln!(std::io::stderr(), "{said:?}");
+                }
                 temporary::exit(INTERRUPTED);
             }
         });
@@ -48,6 +55,11 @@ impl Console {
             tracing::debug!(%error, "Ctrl-C ends the process at once");
         }
         Self { json, quiet, interrupt }
+    }
+
+    /// From here on the program goes on until Ctrl-C ends it: that cancels nothing, and is not said.
+    pub fn goes_on_until_stopped(&self) {
+        self.interrupt.endless.store(true, SeqCst);
     }
 
     /// The same, but for saying nothing.

@@ -65,6 +65,9 @@ fn on_paper(pixmap: &Pixmap) -> impl Iterator<Item = [f32; 3]> + '_ {
 fn pixmap(path: &Path) -> Result<Pixmap, CliError> {
     let bytes = load::drawing(path)?;
     let wrong = |what: String| CliError::Picture { path: path.to_path_buf(), what };
+    if bytes.starts_with(b"\xff\xd8\xff") {
+        return Err(wrong("is no PNG but a JPEG: give it a name that ends in .jpg".into()));
+    }
     if !bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
         return Err(wrong("is no PNG: it does not begin like one".into()));
     }
@@ -74,7 +77,7 @@ fn pixmap(path: &Path) -> Result<Pixmap, CliError> {
         bytes.map_or(0, |bytes| u64::from(u32::from_be_bytes(bytes)))
     };
     if number(16).saturating_mul(number(20)) > MOST_PIXELS {
-        return Err(wrong(format!("has more than {MOST_PIXELS} pixels; save it smaller")));
+        return Err(wrong("has more pixels than 8192 x 8192; save it smaller".into()));
     }
     Pixmap::decode_png(&bytes).map_err(|error| wrong(format!("is no PNG that can be read ({error})")))
 }

@@ -267,6 +267,42 @@ pub enum CliError {
         /// What it takes text from.
         what: &'static str,
     },
+    /// A word that is none.
+    #[error("--word says nothing: name what is done, such as kick, or \"walk and turn\"")]
+    NoWord,
+    /// A result whose name ends in another kind of file than it is.
+    #[error("{}: {what} is written as .{ending}: give it a name that ends so", printable::path(path))]
+    Ending {
+        /// The file.
+        path: PathBuf,
+        /// What is written to it.
+        what: &'static str,
+        /// How its name ends.
+        ending: &'static str,
+    },
+    /// Few keys with curves between them, for a format that has none.
+    #[error(
+        "{}: .{format} files hold a pose a frame, not few keys with curves between them",
+        printable::path(path)
+    )]
+    #[diagnostic(help("write a .glb or .fbx, or one key a frame (--bake dense)"))]
+    BakeFormat {
+        /// The file or the folder.
+        path: PathBuf,
+        /// The ending of the format.
+        format: &'static str,
+    },
+    /// A wave or labels that look like the name of a file that is not read as such.
+    #[error("{flag} {}: this looks like a file, of a kind that is not read here", printable::text(text))]
+    #[diagnostic(help("{known}"))]
+    LooksLikeFile {
+        /// The flag.
+        flag: &'static str,
+        /// What was given.
+        text: String,
+        /// What is read instead.
+        known: &'static str,
+    },
     /// No motion of the verb to begin with.
     #[error(
         "{}: this model has no example of \"{}\" to begin with",

@@ -24,6 +24,16 @@ pub fn motion(path: &Path, args: &ImportArgs) -> Result<Import, CliError> {
     opened(path, args, read_motion)
 }
 
+/// Reads a character: which of its clips is read is of no matter, and is not said.
+///
+/// # Errors
+/// As [`motion`].
+pub(crate) fn character(path: &Path) -> Result<Import, CliError> {
+    let mut import = motion(path, &ImportArgs::default())?;
+    import.findings.retain(|finding| finding.code != "several-clips");
+    Ok(import)
+}
+
 /// The same, and all other clips of the file in their order.
 ///
 /// # Errors

@@ -81,6 +81,16 @@ const MOST_FRAMES: usize = inkrig_align::MOST_FRAMES;
 /// The same in seconds.
 const MOST_SECONDS: f64 = MOST_FRAMES as f64 / 30.0;
 
+/// Length of a clip that a model makes, which says itself what it can make.
+pub(crate) fn clip_length(text: &str) -> Result<Length, String> {
+    text.parse().map_err(|error: crate::span::SpanError| error.to_string())
+}
+
+/// Which of many results.
+pub(crate) fn seed(text: &str) -> Result<u64, String> {
+    text.trim().parse().map_err(|_| format!("give a whole number from 0 to {}", u64::MAX))
+}
+
 /// Length of a result: more than nothing, at most what can be matched.
 pub(crate) fn length(text: &str) -> Result<Length, String> {
     let length: Length = text.parse().map_err(|error: crate::span::SpanError| error.to_string())?;
@@ -122,7 +132,8 @@ mod tests {
         assert!(smooth("-1").unwrap_err().contains("from 0 to 1000"));
         assert!(threads("0").is_err() && threads("-1").is_err() && unit("0").is_err());
         assert_eq!(length("3333s"), Ok(Length::Seconds(3333.0)));
-        for bad in ["0", "0s", "3334s", "100001"] {
+        assert!(seed("-1").unwrap_err().contains("from 0 to") && seed("7") == Ok(7));
+        for bad in ["0", "0s", "3334s", "100001", "100000000s"] {
             let said = length(bad).unwrap_err();
             assert!(said.contains("100000") && said.contains("3333s"), "{bad}: {said}");
         }

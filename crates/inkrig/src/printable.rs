@@ -31,6 +31,22 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
+/// What is wrong with JSON, in words of the file and not of the program that reads it.
+pub fn json_error(error: &serde_json::Error) -> String {
+    let types = [
+        ("expected usize", "expected a whole number, 0 or more"),
+        ("expected u64", "expected a whole number, 0 or more"),
+        ("expected u32", "expected a whole number, 0 or more"),
+        ("expected f32", "expected a number"),
+        ("expected f64", "expected a number"),
+        ("expected a sequence", "expected a list"),
+        ("expected a map", "expected an object"),
+        ("expected a string", "expected text"),
+        ("expected struct ", "expected an object: "),
+    ];
+    types.iter().fold(error.to_string(), |said, (from, to)| said.replace(from, to))
+}
+
 /// `1 frame`, `2 frames`.
 pub fn counted(count: usize, thing: &str) -> String {
     if count == 1 { format!("1 {thing}") } else { format!("{count} {thing}s") }

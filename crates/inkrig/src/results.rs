@@ -118,3 +118,22 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, CliError> {
         .filter(|format| format.is_written())
         .ok_or_else(|| CliError::Kind { path: path.to_path_buf(), known })
 }
+
+/// Refuses a name that ends in another kind of file than is written to it.
+///
+/// # Errors
+/// [`CliError::Ending`] with the name.
+pub(crate) fn check_ending(path: &Path, ending: &'static str, what: &'static str) -> Result<(), CliError> {
+    if load::extension(path).as_deref() == Some(ending) {
+        return Ok(());
+    }
+    Err(CliError::Ending { path: path.to_path_buf(), what, ending })
+}
+
+/// The same for a picture.
+///
+/// # Errors
+/// As [`check_ending`].
+pub(crate) fn check_picture(path: Option<&PathBuf>) -> Result<(), CliError> {
+    path.map_or(Ok(()), |path| check_ending(path, "png", "a picture"))
+}

@@ -48,7 +48,7 @@ impl FromStr for Length {
         let bad = || SpanError(text.to_string());
         if let Some(seconds) = text.strip_suffix('s') {
             let seconds: f64 = seconds.trim().parse().map_err(|_| bad())?;
-            return if (0.0..=1e7).contains(&seconds) { Ok(Self::Seconds(seconds)) } else { Err(bad()) };
+            return if (0.0..=1e12).contains(&seconds) { Ok(Self::Seconds(seconds)) } else { Err(bad()) };
         }
         text.parse().map(Self::Frames).map_err(|_| bad())
     }

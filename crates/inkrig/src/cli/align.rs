@@ -134,7 +134,7 @@ pub struct AlignArgs {
     #[arg(long, value_name = "FRAMES", value_parser = numbers::smooth, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub smooth: Option<f64>,
     /// Another seed finds another of the equally good solutions
-    #[arg(long, default_value_t = 0, help_heading = "Fine tuning")]
+    #[arg(long, default_value_t = 0, value_parser = numbers::seed, allow_negative_numbers = true, help_heading = "Fine tuning")]
     pub seed: u64,
     /// The mirrored solution: what the control has alike on two sides changes places
     #[arg(long, help_heading = "Other solutions")]

@@ -49,7 +49,7 @@ pub struct BenchAlignArgs {
     #[arg(long, value_parser = numbers::threads, allow_negative_numbers = true)]
     pub threads: Option<usize>,
     /// Another seed: other scouts, other random pieces
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = numbers::seed, allow_negative_numbers = true)]
     pub seed: u64,
     /// Try these parameters at several values instead: alpha, lambda, epsilon, levels
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "out")]

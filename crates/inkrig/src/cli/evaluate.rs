@@ -118,7 +118,7 @@ pub struct EvaluateStoryboardArgs {
     #[arg(long, value_name = "STEPS", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub guide_every: u16,
     /// Of drawings and noise
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = numbers::seed, allow_negative_numbers = true)]
     pub seed: u64,
 }
 

@@ -31,7 +31,7 @@ pub enum SketchCommand {
 /// Arguments of `inkrig sketch read`.
 #[derive(Debug, Args)]
 pub struct SketchReadArgs {
-    /// The drawing: one figure on light paper as PNG, or its lines as SVG, JSON or CSV
+    /// The drawing: one figure on light paper as PNG or JPEG (.jpg), or its lines as SVG, JSON or CSV
     #[arg(value_name = "DRAWING", value_hint = ValueHint::FilePath)]
     pub drawing: PathBuf,
     /// Write the joints here
@@ -54,7 +54,7 @@ pub struct SketchReadArgs {
 /// Arguments of `inkrig sketch word`.
 #[derive(Debug, Args)]
 pub struct SketchWordArgs {
-    /// The word: PNG, or its lines as SVG, JSON or CSV
+    /// The word: PNG or JPEG (.jpg), or its lines as SVG, JSON or CSV
     #[arg(value_name = "DRAWING", value_hint = ValueHint::FilePath)]
     pub drawing: PathBuf,
     /// Weights that `inkrig train word` wrote [default: those that come with the program]

@@ -51,7 +51,7 @@ pub struct StoryboardArgs {
     #[arg(long, default_value = "soft")]
     pub exact: ExactArg,
     /// Which of the motions: the same seed gives the same
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = numbers::seed, allow_negative_numbers = true)]
     pub seed: u64,
     /// How many motions are made of a frame, of which the best is taken; with --onto one that lands on the character [default: 4]
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u16).range(1..=64))]

@@ -296,11 +296,28 @@ pub(super) fn motion(
     let stage = console.stage(format!("reading {}", printable::path(path)));
     let import = load::motion(path, options)?;
     drop(stage);
+    tell(&import, path, console, warnings);
+    Ok(import)
+}
+
+/// Reads who shall move, and says what is odd in the file.
+pub(super) fn character(
+    path: &Path,
+    console: &Console,
+    warnings: &mut Vec<String>,
+) -> Result<Import, CliError> {
+    let stage = console.stage(format!("reading {}", printable::path(path)));
+    let import = load::character(path)?;
+    drop(stage);
+    tell(&import, path, console, warnings);
+    Ok(import)
+}
+
+fn tell(import: &Import, path: &Path, console: &Console, warnings: &mut Vec<String>) {
     for warning in load::warnings(&import.findings, path) {
         console.warn(&warning);
         warnings.push(warning);
     }
-    Ok(import)
 }
 
 /// The part of a clip that was asked for.
@@ -316,11 +333,12 @@ pub(super) fn cut(clip: Clip, path: &Path, range: Option<Span>) -> Result<Clip, 
 
 /// Says before any work whether the results can be written, each to a file of its own that is no input.
 fn check_names(args: &AlignArgs, inputs: &[PathBuf], run: &Run<'_>) -> Result<(), CliError> {
-    results::format_of(&args.out)?;
+    bake::check_format(&args.bake, results::format_of(&args.out)?, &args.out)?;
     let names: Vec<Numbered> = (0..args.solutions).map(|index| Numbered::of(args, index)).collect();
     let places = || names.iter().flat_map(|names| names.places().all());
     let inputs = clip_path::files(inputs.iter().map(PathBuf::as_path));
     names::results_differ(inputs.iter().map(PathBuf::as_path), places())?;
+    results::check_picture(args.sheet.as_ref())?;
     for names in &names {
         run.check_motion(&names.motion, &args.sidecar)?;
     }

@@ -118,7 +118,7 @@ fn curve(
 
 fn wave(text: &str, samples: Option<usize>, rate: f64, odd: &mut Vec<String>) -> Result<Control, CliError> {
     let Some(path) = file_in(text) else {
-        let wave: Wave = text.parse().map_err(|error| said("--wave", error))?;
+        let wave: Wave = text.parse().map_err(|error| no_text("--wave", text, error))?;
         return Control::from_wave(&wave, samples, rate).map_err(|error| with_text("--wave", error));
     };
     if ending(&path) == "wav" {
@@ -134,7 +134,7 @@ fn wave(text: &str, samples: Option<usize>, rate: f64, odd: &mut Vec<String>) ->
 
 fn labels(text: &str, samples: Option<usize>, rate: f64) -> Result<Control, CliError> {
     let Some(path) = file_in(text) else {
-        let labels: Labels = text.parse().map_err(|error| said("--labels", error))?;
+        let labels: Labels = text.parse().map_err(|error| no_text("--labels", text, error))?;
         return Control::from_labels(&labels, samples, rate).map_err(|error| with_text("--labels", error));
     };
     let bytes = load::drawing(&path)?;
@@ -148,6 +148,25 @@ fn labels(text: &str, samples: Option<usize>, rate: f64) -> Result<Control, CliE
 pub(crate) fn file_in(text: &str) -> Option<PathBuf> {
     let path = Path::new(text);
     ["csv", "json", "wav"].contains(&ending(path).as_str()).then(|| path.to_path_buf())
+}
+
+/// What is wrong with a wave or labels: perhaps they are meant as a file.
+fn no_text(flag: &'static str, text: &str, cause: SketchError) -> CliError {
+    let path = Path::new(text.trim());
+    let ending = ending(path);
+    let has_ending = (1..=5).contains(&ending.len())
+        && ending.starts_with(|letter: char| letter.is_ascii_alphabetic())
+        && ending.chars().all(|letter| letter.is_ascii_alphanumeric());
+    let bare = !text.contains(['(', '=', '*']);
+    if path.is_file() || (has_ending && bare) {
+        let known = if flag == "--wave" {
+            "a wave is text such as \"sine(1Hz) for 10s\", or a .csv, .json or .wav file; for a sound of any other kind use --sound FILE"
+        } else {
+            "labels are text such as \"A 2s, B 2s\", or a .csv or .json file; for a sound use --sound FILE"
+        };
+        return CliError::LooksLikeFile { flag, text: text.into(), known };
+    }
+    said(flag, cause)
 }
 
 fn ending(path: &Path) -> String {

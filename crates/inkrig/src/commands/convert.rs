@@ -91,6 +91,7 @@ impl Job<'_> {
     fn one(&self, input: &Path, console: &Console) -> Result<(), CliError> {
         let out = &self.args.out;
         let format = results::format_of(out)?;
+        bake::check_format(&self.args.bake, format, out)?;
         let file = clip_path::split(input).0;
         names::all_differ(self.files().chain([file.as_path(), out.as_path()]))?;
         self.run.check_motion(out, &self.args.sidecar)?;
@@ -108,12 +109,16 @@ impl Job<'_> {
 
     fn many(&self, inputs: &[PathBuf], format: Format, console: &Console) -> Result<(), CliError> {
         let folder = &self.args.out;
-        std::fs::create_dir_all(folder).map_err(|cause| OutputError::Io { path: folder.clone(), cause })?;
+        bake::check_format(&self.args.bake, format, folder)?;
         let out = |input: &PathBuf| {
             folder.join(input.file_name().unwrap_or_default()).with_extension(format.extension())
         };
         let outs: Vec<PathBuf> = inputs.iter().map(out).collect();
         names::all_differ(self.files().chain(inputs.iter().chain(&outs).map(PathBuf::as_path)))?;
+        // The folder, and those above it that are made with it.
+        let made: Vec<&Path> =
+            folder.ancestors().take_while(|above| !above.as_os_str().is_empty() && !above.exists()).collect();
+        std::fs::create_dir_all(folder).map_err(|cause| OutputError::Io { path: folder.clone(), cause })?;
         let mut batch = Batch { converted: Vec::new(), failed: Vec::new() };
         let bar = console.bar("converting");
         for (index, (input, out)) in inputs.iter().zip(&outs).enumerate() {
@@ -131,6 +136,10 @@ impl Job<'_> {
                     batch.failed.push(Failure { input: json_path(input), error: error.to_string() });
                 }
             }
+        }
+        if batch.converted.is_empty() {
+            // What is not empty is not removed, and an empty folder that stays is no reason to stop.
+            made.iter().for_each(|folder| drop(std::fs::remove_dir(folder)));
         }
         bar.finish()?;
         for done in &batch.converted {

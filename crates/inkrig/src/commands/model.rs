@@ -3,9 +3,9 @@
 use crate::cli::{ModelArgs, ModelCommand, ModelImportArgs, ModelInspectArgs, ModelPackArgs, TextArg};
 use crate::console::Console;
 use crate::error::CliError;
-use crate::names;
 use crate::output::Output;
 use crate::printable::{self, counted};
+use crate::{names, results};
 use inkrig_generate::checkpoint::{
     About, CheckpointError, Import, Listed, MOST_NPY_BYTES, ModelFile, ModelHeader, NetworkRow, NumberKind,
     Safetensors, TensorSource, TorchFile, read_statistics, to_half, write_model,
@@ -144,6 +144,7 @@ fn pack(args: &ModelPackArgs, console: &Console) -> Result<(), CliError> {
         Ok::<_, CliError>((model.header().clone(), tensors))
     };
     names::results_differ([&*args.file].into_iter().chain(args.without.as_deref()), [&*args.output])?;
+    results::check_ending(&args.output, "safetensors", "a model")?;
     let output = Output { force: args.force };
     output.check(&args.output)?;
     let stage = console.stage(format!("reading {}", printable::path(&args.file)));

@@ -1,10 +1,10 @@
 //! `inkrig retarget`: a motion on another character, with a certificate.
 
-use super::align::{cut, motion};
+use super::align::{character, cut, motion};
 use super::certificate::CertificateRecord;
 use super::joint_map;
 use crate::bake::{self, BakeRecord, Baked};
-use crate::cli::{BakeMode, ImportArgs, RetargetArgs};
+use crate::cli::{BakeMode, RetargetArgs};
 use crate::console::Console;
 use crate::error::CliError;
 use crate::printable::{self, counted, fixed, json_path};
@@ -26,10 +26,19 @@ pub(super) fn run(args: &RetargetArgs, run: &Run<'_>, console: &Console) -> Resu
     bake::check(&args.bake)?;
     // A map is JSON; a result has the format that its name says.
     let format = if args.suggest_map { None } else { Some(results::format_of(&args.out)?) };
+    format.map_or(Ok(()), |format| bake::check_format(&args.bake, format, &args.out))?;
     check_names(args, run)?;
     let mut warnings = Vec::new();
     let import = motion(&args.motion, &args.import, console, &mut warnings)?;
-    let character = motion(&args.onto, &ImportArgs::default(), console, &mut warnings)?;
+    if import.clip.frames() == 1 {
+        let warning = format!(
+            "{}: nothing moves in this file, which has one pose (without a clip that is its rest pose); the first file named is the motion, that after --onto the character",
+            printable::path(&args.motion)
+        );
+        console.warn(&warning);
+        warnings.push(warning);
+    }
+    let character = character(&args.onto, console, &mut warnings)?;
     let name = name(&import, &args.motion);
     let mut clip = cut(import.clip, &args.motion, args.range)?;
     if let Some(rate) = args.fps {
@@ -187,6 +196,10 @@ fn check_names(args: &RetargetArgs, run: &Run<'_>) -> Result<(), CliError> {
     // One file may be both motion and character.
     for input in inputs.iter().map(PathBuf::as_path).chain(args.map.as_deref()) {
         names::all_differ(std::iter::once(input).chain(places()))?;
+    }
+    results::check_picture(args.sheet.as_ref())?;
+    if args.suggest_map {
+        results::check_ending(&args.out, "json", "a map")?;
     }
     for path in places().skip(1) {
         run.check(path)?;

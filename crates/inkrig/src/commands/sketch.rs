@@ -7,7 +7,7 @@ use crate::error::CliError;
 use crate::joints_picture;
 use crate::output::Output;
 use crate::printable::{self, fixed, json_path};
-use crate::readers;
+use crate::{readers, results};
 use inkrig_generate::readers::graph::{self, StrokeGraph};
 use inkrig_generate::readers::ink::{Crop, Ink, crop};
 use inkrig_generate::readers::network::Work;
@@ -65,6 +65,7 @@ struct Sides {
 
 fn read(args: &SketchReadArgs, console: &Console) -> Result<(), CliError> {
     let output = Output { force: args.force };
+    results::check_picture(args.picture.as_ref())?;
     for path in [&args.out, &args.picture].into_iter().flatten() {
         output.check(path)?;
     }

@@ -22,6 +22,12 @@ struct Record {
 
 pub(super) fn run(args: &StudioArgs, console: &Console) -> Result<(), CliError> {
     let studio = |cause: StudioError| CliError::Studio { cause: Box::new(cause) };
+    // Before the project's folder is made: a name that is wrong leaves none.
+    let files: Vec<(&Path, Vec<u8>)> = args
+        .files
+        .iter()
+        .map(|file| Ok((file.as_path(), load::motion_bytes(file)?)))
+        .collect::<Result<_, CliError>>()?;
     let server = Server::bind(ServeOptions {
         port: args.port,
         lan: args.lan,
@@ -35,9 +41,10 @@ pub(super) fn run(args: &StudioArgs, console: &Console) -> Result<(), CliError> 
     if args.files.is_empty() {
         server.studio().begin_with("person").map_err(studio)?;
     }
-    for file in &args.files {
-        add(&server, file, console)?;
+    for (file, bytes) in files {
+        add(&server, file, &bytes, console)?;
     }
+    console.goes_on_until_stopped();
     let address = server.address();
     console.say(format!("inkrig studio: {address}"))?;
     console
@@ -69,11 +76,10 @@ pub(super) fn run(args: &StudioArgs, console: &Console) -> Result<(), CliError> 
 }
 
 /// Adds a file as if it had been dropped on the page.
-fn add(server: &Server, file: &Path, console: &Console) -> Result<(), CliError> {
-    let bytes = load::motion_bytes(file)?;
+fn add(server: &Server, file: &Path, bytes: &[u8], console: &Console) -> Result<(), CliError> {
     let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let warnings =
-        server.add_file(&name, &bytes).map_err(|cause| CliError::Studio { cause: Box::new(cause) })?;
+        server.add_file(&name, bytes).map_err(|cause| CliError::Studio { cause: Box::new(cause) })?;
     for warning in warnings {
         console.warn(format!("{}: {warning}", printable::path(file)));
     }

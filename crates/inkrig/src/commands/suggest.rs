@@ -10,21 +10,22 @@ use crate::map_picture::{self, Canvas};
 use crate::output::Output;
 use crate::printable::{self, fixed, json_path};
 use crate::sheet::{SheetOptions, contact_sheet};
-use crate::{clip_path, load, names};
+use crate::{clip_path, load, names, results};
 use inkrig_align::MapFrame;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &SuggestArgs, console: &Console) -> Result<(), CliError> {
     let output = Output { force: args.force };
-    let results = || [&args.map, &args.sheet].into_iter().flatten().map(PathBuf::as_path);
+    let places = || [&args.map, &args.sheet].into_iter().flatten().map(PathBuf::as_path);
     let drawn = match &args.map {
         Some(path) => is_svg(path)?,
         None => false,
     };
     let files = clip_path::files(args.clips.iter().map(PathBuf::as_path));
-    names::results_differ(files.iter().map(PathBuf::as_path), results())?;
-    for path in results() {
+    names::results_differ(files.iter().map(PathBuf::as_path), places())?;
+    results::check_picture(args.sheet.as_ref())?;
+    for path in places() {
         output.check(path)?;
     }
     let mut warnings = Vec::new();

@@ -4,6 +4,7 @@ use super::arguments::is_option;
 use crate::error::CliError;
 use crate::inputs::InputFile;
 use crate::output::Output;
+use crate::printable;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::fs::File;
@@ -44,6 +45,7 @@ pub(crate) struct Sidecar {
 
 /// The result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(expecting = "an object with the path, bytes and sha256 of the result")]
 pub(crate) struct OutputFile {
     pub(crate) path: String,
     pub(crate) bytes: u64,
@@ -109,7 +111,8 @@ impl Sidecar {
         if bytes.len() as u64 > MOST_BYTES {
             return Err(wrong(format!("it is larger than {MOST_BYTES} bytes")));
         }
-        let sidecar: Self = serde_json::from_slice(&bytes).map_err(|error| wrong(error.to_string()))?;
+        let sidecar: Self =
+            serde_json::from_slice(&bytes).map_err(|error| wrong(printable::json_error(&error)))?;
         sidecar.check().map_err(wrong)?;
         Ok(sidecar)
     }

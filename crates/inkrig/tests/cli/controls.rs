@@ -205,6 +205,9 @@ fn mistakes_in_controls_and_keys_are_named() {
     let curve = ["--curve", "circles.csv"];
     let says = |more: &[&str]| complaint(&folder, &[&curve, more].concat());
     assert!(complaint(&folder, &["--wave", "sine(2Hz) for"]).contains("--wave"));
+    assert!(complaint(&folder, &["--wave", "song.flac"]).contains("looks like a file"));
+    assert!(complaint(&folder, &["--wave", "./music/song.mp3"]).contains("--sound"));
+    assert!(says(&["--seed", "-1"]).contains("from 0 to"));
     assert!(complaint(&folder, &["--labels", "A:30"]).contains("--labels"));
     assert!(complaint(&folder, &[]).contains("--curve"), "one of the controls is asked for");
     assert!(says(&["--wave", "sine(1Hz) for 5s"]).contains("cannot be used with"));

@@ -129,3 +129,41 @@ fn rate_loop_and_ground_are_of_the_written_clip() {
     let record: serde_json::Value = serde_json::from_slice(&range.stdout).unwrap();
     assert!((record["seconds"].as_f64().unwrap() - 1.0).abs() < 1e-6, "{record}");
 }
+
+#[test]
+fn a_person_of_common_names_becomes_a_vrma() {
+    let (_keep, folder) = desk();
+    let done = inkrig(&folder, &["convert", "person.bvh", "person.vrma"]);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    let bytes = std::fs::read(folder.join("person.vrma")).unwrap();
+    let again = read_motion(&bytes, Format::Vrma, &ImportOptions::default(), &no_files).unwrap();
+    let bones: Vec<&str> = again.source.humanoid.iter().map(|bone| bone.name).collect();
+    assert_eq!(bones.len(), 22, "{bones:?}");
+    let first = read(&folder.join("person.bvh"));
+    let place = |clip: &Clip, name: &str| {
+        let joint = clip.skeleton().joints().iter().position(|joint| joint.name == name).unwrap();
+        kinematics::positions(clip).frame(60)[joint]
+    };
+    for name in ["LeftHand", "RightFoot", "Head"] {
+        let apart = place(&first, name).distance(place(&again.clip, name));
+        assert!(apart < 0.01, "{name}: {apart} m");
+    }
+    std::fs::write(folder.join("hound.bvh"), inkrig::samples::find("quadruped").unwrap().bytes).unwrap();
+    let hound = inkrig(&folder, &["convert", "hound.bvh", "hound.vrma"]);
+    assert!(text(&hound.stderr).contains("bones that are not known: hips"), "{}", text(&hound.stderr));
+    assert!(!folder.join("hound.vrma").exists());
+}
+
+#[test]
+fn where_nothing_is_converted_no_folder_stays() {
+    let (_keep, folder) = desk();
+    std::fs::write(folder.join("broken.fbx"), "no FBX").unwrap();
+    let done = inkrig(&folder, &["convert", "*.fbx", "c/many", "--to", "bvh"]);
+    assert!(!done.status.success() && !folder.join("c").exists(), "{}", text(&done.stderr));
+    std::fs::create_dir(folder.join("own")).unwrap();
+    inkrig(&folder, &["convert", "*.fbx", "own/many", "--to", "bvh"]);
+    assert!(folder.join("own").exists() && !folder.join("own/many").exists());
+    // What cannot be is said before anything is read.
+    let early = inkrig(&folder, &["convert", "no.bvh", "x.bvh", "--bake", "sparse"]);
+    assert!(text(&early.stderr).contains("a pose a frame"), "{}", text(&early.stderr));
+}

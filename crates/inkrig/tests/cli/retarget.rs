@@ -137,6 +137,29 @@ fn a_wrong_scale_is_a_broken_limit() {
 }
 
 #[test]
+fn a_motion_that_is_one_pose_is_said_and_a_characters_clips_are_not() {
+    let (_keep, folder) = desk();
+    let run = |arguments: &[&str]| {
+        let done = inkrig(&folder, arguments);
+        assert!(done.status.success(), "{}", text(&done.stderr));
+        text(&done.stderr)
+    };
+    run(&["convert", "person.bvh", "still.bvh", "--range", "0..1"]);
+    let said = run(&["retarget", "still.bvh", "--onto", "person.bvh", "-o", "new.bvh"]);
+    assert!(said.contains("still.bvh: nothing moves in this file"), "{said}");
+    run(&["convert", "person.bvh", "one.glb", "--range", "0s..3s"]);
+    run(&["align", "one.glb", "--curve", "circles.csv", "--length", "2s", "-o", "two.glb"]);
+    let said = run(&["retarget", "two.glb", "--onto", "person.bvh", "-o", "a.bvh"]);
+    assert!(said.contains("--clip"), "{said}");
+    let said = run(&["retarget", "person.bvh", "--onto", "two.glb", "-o", "b.bvh", "--range", "0s..2s"]);
+    assert!(!said.contains("--clip") && !said.contains("nothing moves"), "{said}");
+    let map = ["retarget", "person.bvh", "--onto", "two.glb", "--suggest-map", "-o", "m.glb"];
+    let done = inkrig(&folder, &map);
+    assert!(text(&done.stderr).contains("a map is written as .json"), "{}", text(&done.stderr));
+    assert!(!folder.join("m.glb").exists());
+}
+
+#[test]
 fn who_is_no_person_is_named() {
     let (_keep, folder) = desk();
     std::fs::write(folder.join("snake.bvh"), inkrig::samples::find("snake").unwrap().bytes).unwrap();

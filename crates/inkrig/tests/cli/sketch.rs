@@ -79,10 +79,15 @@ fn what_cannot_be_read_is_said() {
     std::fs::write(folder.join("broken.png"), b"\x89PNG\r\n\x1a\n").unwrap();
     std::fs::write(folder.join("noise.png"), [0xc5; 99]).unwrap();
     std::fs::write(folder.join("weights.safetensors"), b"none").unwrap();
+    std::fs::write(folder.join("photo.png"), b"\xff\xd8\xff\xe0 and so on").unwrap();
+    std::fs::write(folder.join("huge.png"), b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\x01\0\0\0\x01\0\0").unwrap();
     for (arguments, said) in [
         (&["sketch", "read", "line.svg", "--lines"][..], "shows no figure"),
         (&["sketch", "read", "broken.png", "--lines"], "no PNG"),
         (&["sketch", "read", "noise.png", "--lines"], "does not begin like one"),
+        (&["sketch", "read", "photo.png", "--lines"], "is no PNG but a JPEG"),
+        (&["sketch", "read", "huge.png", "--lines"], "more pixels than 8192 x 8192"),
+        (&["sketch", "read", "line.svg", "--picture", "seen.jpg"], "a picture is written as .png"),
         (&["sketch", "read", "figure.bvh", "--lines"], "known drawings"),
         (&["sketch", "read", "line.svg", "--weights", "weights.safetensors"], "weights.safetensors"),
         (&["train", "word", "--fonts", ".", "-o", "run"], "no font of Latin letters"),

@@ -30,7 +30,7 @@ fn ctrl_c_ends_a_wait_at_once() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_inkrig"))
         .current_dir(&folder)
         .args(["align", "pipe.bvh", "--curve", "circles.csv", "-o", "new.bvh"])
-        .stderr(Stdio::null())
+        .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     std::thread::sleep(Duration::from_millis(500));
@@ -48,6 +48,9 @@ fn ctrl_c_ends_a_wait_at_once() {
         std::thread::sleep(Duration::from_millis(20));
     };
     assert_eq!(code, Some(130));
+    let mut said = String::new();
+    std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut said).unwrap();
+    assert!(said.contains("cancelled"), "{said}");
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 3, "no temporary file stays");
 }
 

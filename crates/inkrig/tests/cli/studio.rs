@@ -117,6 +117,14 @@ fn a_kill_in_the_middle_of_a_drag_and_of_a_stroke_loses_nothing() {
 }
 
 #[test]
+fn a_file_that_is_not_there_leaves_no_project() {
+    let (_keep, folder) = desk();
+    let arguments = ["studio", "--project", "fresh", "missing.bvh", "--port", "0"];
+    let done = crate::inkrig(&folder, &arguments);
+    assert!(!done.status.success() && !folder.join("fresh").exists());
+}
+
+#[test]
 fn a_new_project_begins_with_a_character_and_stays_locked() {
     let folder = tempfile::tempdir().unwrap();
     let studio = Studio::start(folder.path(), &["--project", "walk"]);

@@ -48,6 +48,7 @@ pub(super) fn run(args: &StoryboardArgs, run: &Run<'_>, console: &Console) -> Re
     };
     let inputs = [Some(&args.board), named.as_ref(), args.onto.as_ref()].into_iter().flatten();
     names::results_differ(inputs.map(PathBuf::as_path), std::iter::once(args.out.as_path()).chain(more()))?;
+    results::check_picture(args.sheet.as_ref())?;
     run.check_motion(&args.out, &args.sidecar)?;
     more().try_for_each(|path| run.check(path))?;
     args.video.as_deref().map_or(Ok(()), video::check)?;

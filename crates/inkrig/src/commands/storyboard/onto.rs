@@ -1,7 +1,6 @@
 //! An animation on a character of the user's own.
 
-use crate::cli::ImportArgs;
-use crate::commands::align::motion;
+use crate::commands::align::character;
 use crate::commands::certificate::CertificateRecord;
 use crate::console::Console;
 use crate::error::CliError;
@@ -20,7 +19,7 @@ impl Character {
     /// # Errors
     /// When the file is not there, or is none of a motion or a character.
     pub(super) fn read(path: &Path, console: &Console, warnings: &mut Vec<String>) -> Result<Self, CliError> {
-        let import = motion(path, &ImportArgs::default(), console, warnings)?;
+        let import = character(path, console, warnings)?;
         Ok(Self { import, path: path.into() })
     }
 
