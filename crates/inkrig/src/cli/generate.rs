@@ -44,7 +44,7 @@ pub struct GenerateArgs {
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub out: PathBuf,
     /// Which of the motions: the same seed gives the same
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = numbers::seed, allow_negative_numbers = true)]
     pub seed: u64,
     /// Steps from noise to motion: ddim (50), or 1, 2 or 4 of a model that was distilled for few, as the one that comes with inkrig also is [default: ddim, or 2 of a distilled one]
     #[arg(long)]
@@ -57,8 +57,8 @@ pub struct GenerateArgs {
     /// model's own]
     #[arg(long, value_name = "WEIGHT", value_parser = numbers::text_weight, allow_negative_numbers = true)]
     pub text_weight: Option<f64>,
-    /// How long: frames of 20 a second (40), or seconds (2s)
-    #[arg(long, visible_alias = "frames", value_name = "LENGTH", default_value = "40", value_parser = numbers::length, allow_negative_numbers = true)]
+    /// How long: frames of 20 a second (40), or seconds (2s); the model inside the program makes 2 to 252 frames
+    #[arg(long, visible_alias = "frames", value_name = "LENGTH", default_value = "40", value_parser = numbers::clip_length, allow_negative_numbers = true)]
     pub length: Length,
     /// Whether the motion is drawn to the trajectory at every step [default: soft]
     #[arg(long)]

@@ -9,7 +9,7 @@ use inkrig_generate::networks::{Parts, Sizes};
 use inkrig_generate::sampling::Semantics;
 use inkrig_generate::text::{VERBS, VerbTable};
 use inkrig_generate::weights::{Tensor, hashed};
-use inkrig_motion::humanml::{JOINTS, NAMES, RAW_DIRECTIONS, WIDTH};
+use inkrig_motion::humanml::{JOINTS, NAMES, PARENTS, RAW_DIRECTIONS, WIDTH};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -56,6 +56,15 @@ fn studio() -> (tempfile::TempDir, PathBuf) {
     let path = folder.path().to_path_buf();
     std::fs::write(path.join("m.safetensors"), model(&header(0), Parts::ALL)).unwrap();
     (folder, path)
+}
+
+/// The rest pose of the model's body, a metre above the ground, in metres times `unit`.
+fn pose(unit: f32) -> Vec<[f32; 3]> {
+    let mut joints = vec![inkrig_motion::glam::Vec3::Y; JOINTS];
+    for joint in 1..JOINTS {
+        joints[joint] = joints[PARENTS[joint]] + 0.2 * RAW_DIRECTIONS[joint];
+    }
+    joints.iter().map(|joint| (unit * *joint).to_array()).collect()
 }
 
 /// What is refused, without its line ends; nothing is written.
@@ -137,7 +146,19 @@ fn feet_are_on_the_floor_unless_they_shall_stay_as_they_come() {
         (text(&output.stdout), report["ground"].clone(), std::fs::read(folder.join(out)).unwrap())
     };
     let (said, ground, on) = made("on", "on.bvh");
-    assert!(said.contains("feet on the floor: body raised or lowered by"), "{said}");
+    assert!(said.contains("feet on the floor") && said.contains(": body raised or lowered by"), "{said}");
+    assert!(!said.contains("before)"), "feet that floated do not count as sliding: {said}");
+    // What is said is what stands in the file.
+    let clip = read_bvh(&on, &ImportOptions::default()).unwrap().clip;
+    let (places, joints) = (kinematics::positions(&clip), clip.skeleton().joints());
+    let feet: Vec<usize> = ["left_ankle", "right_ankle", "left_foot", "right_foot"]
+        .map(|name| joints.iter().position(|joint| joint.name == name).unwrap())
+        .to_vec();
+    let lower =
+        |frame: usize| feet.iter().map(|joint| places.frame(frame)[*joint].y).fold(f32::MAX, f32::min);
+    let above: Vec<f32> = (0..clip.frames()).map(lower).filter(|height| *height > 0.05).collect();
+    assert_eq!(ground["above_frames"], above.len(), "{ground}");
+    assert_eq!(said.contains("feet on the floor:"), above.is_empty(), "{said}");
     for name in ["height_mm", "travel_mm", "lower_foot_mm", "skating"] {
         assert!(ground[name].as_array().unwrap().iter().all(serde_json::Value::is_f64), "{name}: {ground}");
     }
@@ -154,7 +175,7 @@ fn feet_are_on_the_floor_unless_they_shall_stay_as_they_come() {
 #[test]
 fn conditions_move_the_motion_and_guidance_brings_it_nearer() {
     let (_keep, folder) = studio();
-    let pose = serde_json::json!({ "frame": 12, "joints": vec![[0.2, 0.9, 0.1]; JOINTS] });
+    let pose = serde_json::json!({ "frame": 12, "joints": pose(1.0) });
     std::fs::write(folder.join("pose.json"), pose.to_string()).unwrap();
     let way = serde_json::json!({ "joint": "right_foot", "frames": [0, 20, 39], "points": vec![[0.1, 0.4, 0.2]; 3] });
     std::fs::write(folder.join("way.json"), way.to_string()).unwrap();
@@ -209,8 +230,7 @@ fn a_distilled_model_takes_few_steps_and_no_other() {
     assert_eq!(read("u.bvh"), read("2.bvh"));
     let clip = read_bvh(&read("u.bvh"), &ImportOptions::default()).unwrap().clip;
     assert_eq!(clip.frames(), 40, "cut from the length that it was trained with");
-    std::fs::write(folder.join("pose.json"), serde_json::json!(vec![[0.1, 0.9, 0.2]; JOINTS]).to_string())
-        .unwrap();
+    std::fs::write(folder.join("pose.json"), serde_json::json!(pose(1.0)).to_string()).unwrap();
     std::fs::write(folder.join("way.json"), r#"{"joint": "Left Wrist", "points": [[0, 1, 0], [0, 1.1, 0]]}"#)
         .unwrap();
     let more = ["--keypose3d", "pose.json", "--trajectory3d", "way.json"];
@@ -227,11 +247,19 @@ fn what_is_wrong_with_words_and_conditions_is_said() {
     write("late.json", r#"{"joint": "head", "frames": [40], "points": [[0,1,0]]}"#);
     write("joint.json", r#"{"joint": "rihgt_foot", "points": [[0,1,0]]}"#);
     write("empty.json", "");
+    write("cm.json", &serde_json::json!(pose(100.0)).to_string());
+    write("cm-way.json", r#"{"joint": "head", "points": [[10,160,5]]}"#);
     let more = |more: &[&'static str]| [&WORD[..], more].concat();
     for (arguments, part) in [
         (more(&["--keypose3d", "nan.json"]), "nan.json:"),
         (more(&["--keypose3d", "few.json"]), "1joints,butaposehas22"),
         (more(&["--keypose3d", "empty.json"]), "empty.json:"),
+        (more(&["--keypose3d", "cm.json"]), "arethesecentimetres"),
+        (more(&["--trajectory3d", "cm-way.json"]), "arethesecentimetres"),
+        (["generate", "--model", "m.safetensors", "--word", " ", "-o", "k.bvh"].to_vec(), "saysnothing"),
+        (more(&["--length", "0"]), "makes2to62"),
+        (more(&["--length", "100000000s"]), "makes2to62"),
+        (more(&["--sheet", "k.jpg"]), "apictureiswrittenas.png"),
         (more(&["--trajectory3d", "late.json"]), "frame40isbeyondthemotion"),
         (more(&["--trajectory3d", "joint.json"]), "nearestnamesareright_foot"),
         (more(&["--trajectory3d", "no.json"]), "no.json"),
@@ -327,6 +355,8 @@ fn a_packed_model_is_half_as_large_and_makes_motions() {
     assert!(size("half.safetensors") < 0.7 * size("m.safetensors"));
     let made = said(&["generate", "--model", "half.safetensors", "--word", "kick", "-o", "k.bvh"]);
     assert!(made.contains("model mine") && made.contains("licence of the model: CC0"), "{made}");
+    let other = inkrig(&folder, &[&pack[..], &["half.bin"]].concat());
+    assert!(text(&other.stderr).contains("a model is written as"), "{}", text(&other.stderr));
     // What the other has too is left out; all of it, here.
     let rest = said(&[&pack[..], &["rest.safetensors", "--without", "m.safetensors"]].concat());
     assert!(rest.contains("wrote rest.safetensors: 0 tensors"), "{rest}");

@@ -6,7 +6,7 @@ use crate::load;
 use crate::printable;
 use inkrig_generate::guidance::Ask;
 use inkrig_motion::glam::Vec3;
-use inkrig_motion::humanml::{JOINTS, Joints, NAMES, augment};
+use inkrig_motion::humanml::{FRAME_RATE, JOINTS, Joints, NAMES, PARENTS, augment};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;
@@ -15,19 +15,26 @@ use std::path::Path;
 /// How far a point may lie from the origin along an axis, metres.
 const FARTHEST: f32 = 1000.0;
 
+/// How many times longer or shorter than the model's the bones of a key pose may be: beyond that it is in other units.
+const MOST_TIMES: f32 = 4.0;
+/// How far from the origin a joint may be when the motion begins, metres, and how fast it may go away from there, metres a
+/// second: a little more than the fastest runner.
+const REACH: f32 = 4.0;
+const FASTEST: f32 = 12.5;
+
 /// A pose that a frame shall have; its joints are [augmented](augment) ones.
 pub(super) struct KeyPose {
     pub(super) frame: usize,
     pub(super) joints: Joints,
 }
 
-/// Reads a key pose for a clip of some frames.
+/// Reads a key pose for a clip of some frames, of somebody of about the size of `bones`, each from its parent.
 ///
 /// # Errors
-/// When the file cannot be read, is no pose of 22 points, or its frame lies beyond the clip.
-pub(super) fn keypose(path: &Path, frames: usize) -> Result<KeyPose, CliError> {
+/// When the file cannot be read, is no pose of 22 points, is of another size, or its frame lies beyond the clip.
+pub(super) fn keypose(path: &Path, frames: usize, bones: &Joints) -> Result<KeyPose, CliError> {
     let bytes = load::drawing(path)?;
-    parse_keypose(&bytes, frames).map_err(|cause| CliError::Condition { path: path.into(), cause })
+    parse_keypose(&bytes, frames, bones).map_err(|cause| CliError::Condition { path: path.into(), cause })
 }
 
 /// Reads trajectories for a clip of some frames.
@@ -40,7 +47,7 @@ pub(super) fn trajectory(path: &Path, frames: usize) -> Result<Vec<Ask>, CliErro
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a list of 22 points, or {\"frame\": 12, \"joints\": [22 points]}")]
 struct PoseFile {
     #[serde(default)]
     frame: usize,
@@ -48,14 +55,17 @@ struct PoseFile {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "{\"joint\": \"right_foot\", \"points\": [points]}, or a list of such"
+)]
 struct JointFile {
     joint: serde_json::Value,
     frames: Option<Vec<usize>>,
     points: Vec<[f32; 3]>,
 }
 
-fn parse_keypose(bytes: &[u8], frames: usize) -> Result<KeyPose, String> {
+fn parse_keypose(bytes: &[u8], frames: usize, bones: &Joints) -> Result<KeyPose, String> {
     let file: PoseFile =
         if is_list(bytes) { PoseFile { frame: 0, joints: json(bytes)? } } else { json(bytes)? };
     if file.joints.len() != JOINTS {
@@ -69,6 +79,19 @@ fn parse_keypose(bytes: &[u8], frames: usize) -> Result<KeyPose, String> {
     let mut joints = [Vec3::ZERO; JOINTS];
     for ((joint, numbers), name) in joints.iter_mut().zip(file.joints).zip(NAMES) {
         *joint = point(numbers, name)?;
+    }
+    let own: f32 = PARENTS.iter().zip(&joints).map(|(parent, joint)| joint.distance(joints[*parent])).sum();
+    let usual: f32 = bones.iter().map(|bone| bone.length()).sum();
+    if own > MOST_TIMES * usual {
+        let times = own / usual.max(f32::MIN_POSITIVE);
+        return Err(format!(
+            "its bones are {times:.0} times as long as the body's ({own:.1} m in all, not about {usual:.1} m): are these centimetres? Give metres"
+        ));
+    }
+    if own * MOST_TIMES < usual {
+        return Err(format!(
+            "its bones are {own:.2} m long in all, and the body's {usual:.1} m: its points lie too near to each other to be a pose. Give metres"
+        ));
     }
     Ok(KeyPose { frame: file.frame, joints: augment(&joints) })
 }
@@ -88,7 +111,16 @@ fn parse_trajectory(bytes: &[u8], frames: usize) -> Result<Vec<Ask>, String> {
             if !seen.insert((joint, frame)) {
                 return Err(format!("{name} is given twice at frame {frame}: leave one out"));
             }
-            asks.push(Ask { frame, joint, place: point(numbers, name)? });
+            let place = point(numbers, name)?;
+            let seconds = frame as f32 / FRAME_RATE as f32;
+            let most = REACH + FASTEST * seconds;
+            if place.length() > most {
+                return Err(format!(
+                    "{name} is to be {:.0} m from the origin at frame {frame}, after {seconds:.1} s, where nobody gets farther than {most:.0} m: are these centimetres? Give metres",
+                    place.length()
+                ));
+            }
+            asks.push(Ask { frame, joint, place });
         }
     }
     if asks.is_empty() { Err("it has no point".into()) } else { Ok(asks) }
@@ -99,7 +131,7 @@ fn is_list(bytes: &[u8]) -> bool {
 }
 
 fn json<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, String> {
-    serde_json::from_slice(bytes).map_err(|error| error.to_string())
+    serde_json::from_slice(bytes).map_err(|error| printable::json_error(&error))
 }
 
 fn check_frame(frame: usize, frames: usize) -> Result<(), String> {
@@ -138,6 +170,10 @@ mod tests {
         format!("[{first}{}]", ",[0,1,0]".repeat(JOINTS - 1))
     }
 
+    fn parse_keypose(bytes: &[u8], frames: usize) -> Result<KeyPose, String> {
+        super::parse_keypose(bytes, frames, &[0.15 * Vec3::Y; JOINTS])
+    }
+
     #[test]
     fn poses_and_trajectories_are_read_in_all_their_forms() {
         let list = parse_keypose(pose("[1,2,3]").as_bytes(), 40).unwrap();
@@ -159,6 +195,8 @@ mod tests {
             (pose("[1e300,0,0]"), "out of range"),
             (pose("[1e30,0,0]"), "pelvis is at"),
             (pose("[1,2]"), "length 2"),
+            (pose("[0,100,0]"), "are these centimetres"),
+            (pose("[0,1,0]"), "too near to each other"),
             ("[]".into(), "0 joints, but a pose has 22"),
             (String::new(), "line 1"),
             (format!("{{\"frame\": 40, \"joints\": {}}}", pose("[0,0,0]")), "frame 40 is beyond"),
@@ -181,6 +219,7 @@ mod tests {
             (r#"{"joint": "head", "frames": [1, 1], "points": [[0,0,0],[0,0,0]]}"#, "twice at frame 1"),
             (r#"{"joint": "head", "points": [[0,NaN,0]]}"#, "line 1"),
             (r#"{"joint": "head", "points": [[0,-1e30,0]]}"#, "at most 1000"),
+            (r#"{"joint": "head", "points": [[10,160,5]]}"#, "are these centimetres"),
         ] {
             let error = parse_trajectory(text.as_bytes(), 4).unwrap_err();
             assert!(error.contains(part), "{part}: {error}");

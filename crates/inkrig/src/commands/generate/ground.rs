@@ -18,6 +18,9 @@ const BETWEEN: [usize; 4] = [6, 9, 16, 17];
 /// The sole of a foot: ankle and toe, left and right.
 const SOLES: [[usize; 2]; 2] = [[7, 10], [8, 11]];
 
+/// A foot that is farther above the floor than this, metres, is not on it.
+const ABOVE: f32 = 0.05;
+
 /// What was changed, in the report; the names are stable.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct GroundRecord {
@@ -28,7 +31,12 @@ pub(super) struct GroundRecord {
     limbs_mm: f64,
     /// The middle of the lower foot's heights above the floor while nothing is in the air, before and after, millimetres.
     lower_foot_mm: [f64; 2],
-    /// Shares of moments in which a foot slides, before and after (GMD's measure).
+    /// Frames in which the lower foot is more than 5 cm above the floor, of how many, and the farthest that it is, millimetres.
+    above_frames: usize,
+    frames: usize,
+    above_mm: f64,
+    /// Shares of moments in which a foot slides, before and after (GMD's measure). Feet above the floor do not count, so that
+    /// those of a motion that floated seem to slide less before.
     skating: [f64; 2],
     /// Frames in which a foot stands, and in which the body is in the air.
     standing_frames: usize,
@@ -71,9 +79,10 @@ impl GroundRecord {
             let sizes = || footing.moved.iter().map(|moved| 1e3 * f64::from(of(moved)));
             [sizes().sum::<f64>() / footing.moved.len().max(1) as f64, sizes().fold(0.0, f64::max)]
         };
+        let height =
+            |joints: &Joints| SOLES.iter().flatten().map(|at| joints[*at].y).fold(f32::MAX, f32::min);
+        let above = || footing.frames.iter().map(height);
         let lower = |motion: &[Joints]| {
-            let height =
-                |joints: &Joints| SOLES.iter().flatten().map(|at| joints[*at].y).fold(f32::MAX, f32::min);
             let low = motion.iter().zip(&footing.airborne).filter(|(_, airborne)| !**airborne);
             let mut heights: Vec<f32> = low.map(|(joints, _)| height(joints)).collect();
             heights.sort_unstable_by(f32::total_cmp);
@@ -84,6 +93,9 @@ impl GroundRecord {
             travel_mm: spread(&|moved| moved.with_y(0.0).length()),
             limbs_mm: 1e3 * f64::from(footing.largest_bend(before)),
             lower_foot_mm: [lower(before), lower(&footing.frames)],
+            above_frames: above().filter(|height| *height > ABOVE).count(),
+            frames: footing.frames.len(),
+            above_mm: 1e3 * f64::from(above().fold(0.0, f32::max)),
             skating: [skating(before).ratio, skating(&footing.frames).ratio],
             standing_frames: footing.standing.iter().filter(|feet| feet.contains(&true)).count(),
             airborne_frames: footing.airborne.iter().filter(|airborne| **airborne).count(),
@@ -96,17 +108,27 @@ impl GroundRecord {
 
     pub(super) fn text(&self) -> String {
         let whole = |mm: f64| fixed(mm, 0);
+        let on_floor = if self.above_frames == 0 {
+            "feet on the floor".to_string()
+        } else {
+            format!(
+                "feet on the floor in {} of {} frames, else the lower one up to {} cm above it",
+                self.frames - self.above_frames,
+                self.frames,
+                fixed(self.above_mm / 10.0, 0)
+            )
+        };
         let mut text = format!(
-            "feet on the floor: body raised or lowered by {} mm (at most {}), moved along by {} mm (at most {}), limbs by {} mm at most",
+            "{on_floor}: body raised or lowered by {} mm (at most {}), moved along by {} mm (at most {}), limbs by {} mm at most",
             whole(self.height_mm[0]),
             whole(self.height_mm[1]),
             whole(self.travel_mm[0]),
             whole(self.travel_mm[1]),
             whole(self.limbs_mm),
         );
-        let [before, after] = self.skating.map(|ratio| fixed(1e2 * ratio, 0));
+        let after = fixed(1e2 * self.skating[1], 0);
         // Writing to a string cannot fail.
-        let _ = write!(text, "; feet slide in {after} of 100 frames ({before} before)");
+        let _ = write!(text, "; feet near the floor slide in {after} of 100 frames");
         text
     }
 }

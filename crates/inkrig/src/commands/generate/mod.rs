@@ -19,7 +19,7 @@ use conditions::{KeyPose, keypose, trajectory};
 use ground::{GroundRecord, ground};
 use inkrig_formats::{ExportOptions, HumanBone, write_motion};
 use inkrig_generate::checkpoint::{CheckpointError, ModelFile, ModelHeader};
-use inkrig_generate::configuration::Configuration;
+use inkrig_generate::configuration::{Configuration, TextEncoderKind};
 use inkrig_generate::guidance::{Ask, Guided, SettleOptions, View};
 use inkrig_generate::networks::{Decoding, Domain};
 use inkrig_generate::sampling::{
@@ -42,10 +42,14 @@ pub(super) fn run(args: &GenerateArgs, run: &Run<'_>, console: &Console) -> Resu
     let results = || std::iter::once(args.out.as_path()).chain(more());
     let inputs = [named.as_ref(), args.keypose3d.as_ref(), args.trajectory3d.as_ref()].into_iter().flatten();
     names::results_differ(inputs.map(PathBuf::as_path), results())?;
+    results::check_picture(args.sheet.as_ref())?;
     run.check_motion(&args.out, &args.sidecar)?;
     more().try_for_each(|path| run.check(path))?;
     if args.guidance.is_some() && args.trajectory3d.is_none() {
         return Err(CliError::NoEffect { flag: "--guidance", with: "no --trajectory3d" });
+    }
+    if args.word.trim().is_empty() {
+        return Err(CliError::NoWord);
     }
     let stage = console.stage("reading the model");
     let mut model = Model::asked(named.as_deref(), args.steps)?;
@@ -53,7 +57,7 @@ pub(super) fn run(args: &GenerateArgs, run: &Run<'_>, console: &Console) -> Resu
     let frames = model.frames(args)?;
     let wanted = Wanted {
         trajectory: args.trajectory3d.as_deref().map(|path| trajectory(path, frames)).transpose()?,
-        keypose: args.keypose3d.as_deref().map(|path| keypose(path, frames)).transpose()?,
+        keypose: args.keypose3d.as_deref().map(|path| keypose(path, frames, &model.body)).transpose()?,
         frames,
     };
     let options = model.options(args)?;
@@ -70,6 +74,9 @@ pub(super) fn run(args: &GenerateArgs, run: &Run<'_>, console: &Console) -> Resu
     let read_back = ReadBack::of(&written.bytes, format, &made.clip, &export);
     drop(stage);
     let mut warnings = load::warnings(&written.findings, &args.out);
+    if model.header.text == TextEncoderKind::Verbs {
+        warnings.extend(text::left_out(&args.word));
+    }
     let wrong = read_back.and_then(|found| found.warning());
     warnings.extend(wrong.map(|wrong| format!("{}: {wrong}", printable::path(&args.out))));
     for warning in &warnings {

@@ -2,10 +2,10 @@
 
 use super::about;
 use crate::error::CliError;
-use crate::inputs;
+use crate::{inputs, printable};
 use inkrig_generate::checkpoint::{CheckpointError, ModelHeader, Safetensors, TensorSource};
 use inkrig_generate::configuration::{Configuration, TextEncoderKind};
-use inkrig_generate::text::{ClipEncoder, T5Encoder, TextEncoder, VerbTable};
+use inkrig_generate::text::{ClipEncoder, T5Encoder, TextEncoder, VERBS, VerbTable, actions_in};
 use inkrig_generate::weights::Tensors;
 use std::fs::File;
 use std::io::Read;
@@ -61,6 +61,38 @@ pub(super) fn description(header: &ModelHeader, configuration: &Configuration, w
     }
 }
 
+/// Words that nobody expects to count.
+const LITTLE: [&str; 22] = [
+    "a", "an", "and", "are", "at", "he", "her", "his", "is", "it", "man", "of", "on", "person", "she",
+    "somebody", "someone", "the", "their", "then", "to", "woman",
+];
+
+/// Which words counted, where some did not: a model of verbs knows nothing else.
+pub(super) fn left_out(text: &str) -> Option<String> {
+    let words: Vec<&str> = text.split_whitespace().take(100).collect();
+    let all = actions_in(&words.join(" "));
+    let counts = |at: usize| {
+        let without: Vec<&str> =
+            words.iter().enumerate().filter(|own| own.0 != at).map(|own| *own.1).collect();
+        words.get(at).is_some_and(|word| !actions_in(word).is_empty())
+            || actions_in(&without.join(" ")) != all
+    };
+    let plain = |word: &str| word.trim_matches(|letter: char| !letter.is_alphanumeric()).to_lowercase();
+    let left: Vec<&str> = words.iter().enumerate().filter(|own| !counts(own.0)).map(|own| *own.1).collect();
+    let left: Vec<&str> = left
+        .into_iter()
+        .filter(|word| !LITTLE.contains(&plain(word).as_str()) && !plain(word).is_empty())
+        .collect();
+    let names: Vec<&str> = all.iter().filter_map(|verb| Some(VERBS.get(*verb)?.name)).collect();
+    (!left.is_empty() && !names.is_empty()).then(|| {
+        format!(
+            "what counted: {}; the model knows nothing of: {}",
+            names.join(", "),
+            printable::text(left.join(", "))
+        )
+    })
+}
+
 fn small(path: &Path) -> Result<String, CliError> {
     let read = |cause| CliError::Read { path: path.into(), cause };
     let mut text = String::new();
@@ -71,4 +103,19 @@ fn small(path: &Path) -> Result<String, CliError> {
 fn open(path: &Path) -> Result<Safetensors<File>, CliError> {
     Safetensors::open(inputs::open_large(path)?)
         .map_err(|cause| CliError::Model { path: path.into(), cause: Box::new(cause) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_that_do_not_count_are_named() {
+        let backwards = left_out("walk backwards").unwrap();
+        assert!(backwards.contains("counted: walk;") && backwards.ends_with("of: backwards"), "{backwards}");
+        assert!(left_out("do not kick").unwrap().ends_with("of: do, not"));
+        for good in ["walk", "walk and walk", "a person is walking, then jumps", "sit down", "sit ups", ""] {
+            assert_eq!(left_out(good), None, "{good}");
+        }
+    }
 }
