@@ -149,7 +149,8 @@ fn feet_are_on_the_floor_unless_they_shall_stay_as_they_come() {
     assert!(said.contains("feet on the floor") && said.contains(": body raised or lowered by"), "{said}");
     assert!(!said.contains("before)"), "feet that floated do not count as sliding: {said}");
     // What is said is what stands in the file.
-    let clip = read_bvh(&on, &ImportOptions::default()).unwrap().clip;
+    let options = ImportOptions { metres_per_unit: Some(0.01), ..ImportOptions::default() };
+    let clip = read_bvh(&on, &options).unwrap().clip;
     let (places, joints) = (kinematics::positions(&clip), clip.skeleton().joints());
     let feet: Vec<usize> = ["left_ankle", "right_ankle", "left_foot", "right_foot"]
         .map(|name| joints.iter().position(|joint| joint.name == name).unwrap())
