@@ -35,7 +35,6 @@ pub const VERBS: &[Verb] = &[
     verb(
         "punch",
         &[
-            "box",
             "boxing",
             "jab",
             "hook",
@@ -73,8 +72,8 @@ pub const VERBS: &[Verb] = &[
     verb("crawl", &["creep", "all fours"]),
     verb("crouch", &["duck", "squat", "kneel", "curl"]),
     verb("bend", &["bow", "lean", "stoop"]),
-    verb("pick up", &["pickup", "lift", "grab", "scoop", "take"]),
-    verb("put down", &["place", "set down", "drop"]),
+    verb("pick up", &["pickup", "lift", "grab", "scoop"]),
+    verb("put down", &["set down", "lay aside"]),
     verb("turn", &["veer", "turning", "look around"]),
     verb("spin", &["twirl", "pirouette", "whirl", "rotate", "tourant"]),
     verb("cartwheel", &["cart wheel"]),
