@@ -172,12 +172,6 @@ fn pack(args: &ModelPackArgs, console: &Console) -> Result<(), CliError> {
             kind: NumberKind::F16,
         })
         .collect();
-    if kept.is_empty() {
-        let what =
-            "all its weights are in the model that is given by --without, too: nothing is left to write";
-        let cause = Box::new(CheckpointError::Incomplete { what: what.into() });
-        return Err(CliError::Model { path: args.file.clone(), cause });
-    }
     let stem = args.file.file_stem().unwrap_or_default().to_string_lossy();
     let (licence, warning) = licence(args, &header.licence);
     let warnings: Vec<String> = warning.into_iter().collect();
