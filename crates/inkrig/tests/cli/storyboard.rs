@@ -153,7 +153,7 @@ fn a_pin_that_is_missed_is_said_and_one_off_all_paper_refused() {
     let mut pinned = |name: &str, x: f64| {
         board["frames"][0]["pins"] = serde_json::json!([{"joint": "right_wrist", "at": [x, 2]}]);
         std::fs::write(folder.join(name), board.to_string()).unwrap();
-        let more = ["-o", "out.bvh", "--candidates", "1", "--guide-every", "25"];
+        let more = ["-o", "out.bvh", "--candidates", "1", "--guide-every", "25", "--force"];
         text(&inkrig(&folder, &[&["storyboard", name], &more[..]].concat()).stderr)
     };
     let said = pinned("far.json", 1000.0);

@@ -71,13 +71,20 @@ const LITTLE: [&str; 22] = [
 pub(super) fn left_out(text: &str) -> Option<String> {
     let words: Vec<&str> = text.split_whitespace().take(100).collect();
     let all = actions_in(&words.join(" "));
+    let plain = |word: &str| word.trim_matches(|letter: char| !letter.is_alphanumeric()).to_lowercase();
+    // A word of an action's own phrase, such as down of sit down, counts even where the action is known without it.
+    let in_phrase = |word: &str| {
+        let actions = all.iter().filter_map(|verb| VERBS.get(*verb));
+        let mut phrases =
+            actions.flat_map(|verb| std::iter::once(verb.name).chain(verb.words.iter().copied()));
+        phrases.any(|phrase| phrase.split(' ').any(|own| own == plain(word)))
+    };
     let counts = |at: usize| {
         let without: Vec<&str> =
             words.iter().enumerate().filter(|own| own.0 != at).map(|own| *own.1).collect();
-        words.get(at).is_some_and(|word| !actions_in(word).is_empty())
+        words.get(at).is_some_and(|word| !actions_in(word).is_empty() || in_phrase(word))
             || actions_in(&without.join(" ")) != all
     };
-    let plain = |word: &str| word.trim_matches(|letter: char| !letter.is_alphanumeric()).to_lowercase();
     let left: Vec<&str> = words.iter().enumerate().filter(|own| !counts(own.0)).map(|own| *own.1).collect();
     let left: Vec<&str> = left
         .into_iter()
