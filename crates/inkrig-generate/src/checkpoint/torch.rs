@@ -48,7 +48,7 @@ impl<R: Read + Seek> TorchFile<R> {
         if !start.starts_with(ZIP) {
             return Err(not_a_zip(&mut bytes, &start));
         }
-        let entries = zip::entries(&mut bytes)?;
+        let entries = zip::entries(&mut bytes, zip::Purpose::Weights)?;
         let folder = folder(&entries)?;
         if let Some(order) = entries.get(&format!("{folder}byteorder"))
             && bytes.part(order.start, order.length.min(16), "the byte order")? != b"little"

@@ -1,7 +1,7 @@
-//! Zip archives as `torch.save` writes them: entries lie side by side and are not compressed.
+//! Zip archives as `torch.save` and NumPy write them: entries lie side by side; those of weights are not compressed.
 //!
 //! A list of what is where is made first, from the directory at the end, and checked: all entries lie within the file, none
-//! over another, no name twice. Nothing can grow while it is read, as nothing is packed.
+//! over another, no name twice. Nothing of weights can grow while it is read, as nothing is packed.
 
 use super::CheckpointError;
 use super::bytes::{Bytes, Cursor};
@@ -28,8 +28,21 @@ const LOCAL_LENGTH: u64 = 30;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Entry {
     pub(super) start: u64,
+    /// Bytes as they are meant.
     pub(super) length: u64,
+    /// Bytes as they lie there: fewer where they are [`deflated`](Self::deflated).
+    pub(super) packed: u64,
+    pub(super) deflated: bool,
     pub(super) checksum: u32,
+}
+
+/// What an archive is for, and so what may be in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// Weights, which nobody compresses.
+    Weights,
+    /// Tables of NumPy, compressed or not.
+    Tables,
 }
 
 /// Where the directory is.
@@ -42,6 +55,7 @@ struct Directory {
 /// Finds all entries by name.
 pub(super) fn entries<R: Read + Seek>(
     file: &mut Bytes<R>,
+    purpose: Purpose,
 ) -> Result<BTreeMap<String, Entry>, CheckpointError> {
     let directory = directory(file)?;
     let too_much = |what: &str, got, most| Err(CheckpointError::TooMuch { what: what.into(), got, most });
@@ -57,9 +71,9 @@ pub(super) fn entries<R: Read + Seek>(
     let mut places = Vec::new();
     for _ in 0..directory.entries {
         let short = || CheckpointError::damaged("the zip directory ends within an entry");
-        let listed = listed(&mut cursor).ok_or_else(short)??;
+        let listed = listed(&mut cursor, purpose).ok_or_else(short)??;
         let entry = locate(file, &listed, directory.start)?;
-        places.push((listed.header, entry.start + entry.length, listed.name.clone()));
+        places.push((listed.header, entry.start + entry.packed, listed.name.clone()));
         if found.insert(listed.name.clone(), entry).is_some() {
             return Err(CheckpointError::Twice { what: "the zip entry", name: shown(&listed.name) });
         }
@@ -117,12 +131,14 @@ fn directory<R: Read + Seek>(file: &mut Bytes<R>) -> Result<Directory, Checkpoin
 struct Listed {
     name: String,
     length: u64,
+    packed: u64,
+    deflated: bool,
     checksum: u32,
     header: u64,
 }
 
 /// The next entry of the directory; `None` where it ends early.
-fn listed(cursor: &mut Cursor<'_>) -> Option<Result<Listed, CheckpointError>> {
+fn listed(cursor: &mut Cursor<'_>, purpose: Purpose) -> Option<Result<Listed, CheckpointError>> {
     if cursor.u32()? != DIRECTORY_ENTRY {
         return Some(Err(CheckpointError::damaged("the zip directory holds something that is no entry")));
     }
@@ -150,14 +166,20 @@ fn listed(cursor: &mut Cursor<'_>) -> Option<Result<Listed, CheckpointError>> {
             }
         }
     }
-    if flags & 1 != 0 || method != 0 || packed != length {
+    let deflated = method == 8 && purpose == Purpose::Tables;
+    if flags & 1 != 0 || (!deflated && (method != 0 || packed != length)) {
         let how = if flags & 1 != 0 { "encrypted" } else { "compressed" };
         return Some(Err(CheckpointError::Unsupported {
             what: format!("the zip entry {} is {how}", shown(&name)),
-            todo: "weights are stored as they are; unpack them with PyTorch and save them again",
+            todo: match purpose {
+                Purpose::Weights => {
+                    "weights are stored as they are; unpack them with PyTorch and save them again"
+                }
+                Purpose::Tables => "save the tables once more with numpy.savez",
+            },
         }));
     }
-    Some(Ok(Listed { name, length, checksum, header }))
+    Some(Ok(Listed { name, length, packed, deflated, checksum, header }))
 }
 
 /// Reads the header before an entry's bytes, whose length only it knows.
@@ -173,11 +195,12 @@ fn locate<R: Read + Seek>(file: &mut Bytes<R>, listed: &Listed, most: u64) -> Re
     let no_header =
         || CheckpointError::damaged(format!("the zip entry {} is not where it should be", name()));
     let start = listed.header + LOCAL_LENGTH + fields().ok_or_else(no_header)?;
-    if start.checked_add(listed.length).is_none_or(|end| end > most) {
+    if start.checked_add(listed.packed).is_none_or(|end| end > most) {
         let what = format!("the zip entry {} reaches beyond the end of the data", name());
         return Err(CheckpointError::damaged(what));
     }
-    Ok(Entry { start, length: listed.length, checksum: listed.checksum })
+    let Listed { length, packed, deflated, checksum, .. } = *listed;
+    Ok(Entry { start, length, packed, deflated, checksum })
 }
 
 /// The checksum of zip archives (CRC-32), piece by piece: 0 before the first.

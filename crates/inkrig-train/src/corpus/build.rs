@@ -1,14 +1,15 @@
 //! From folders of motion to a corpus.
 
 use super::check::Rejected;
-use super::clip::{Prepared, body, prepare};
+use super::clip::{Prepared, body, prepare, prepare_joints};
 use super::config::{Config, Split};
-use super::files::{self, MotionFile};
+use super::files::{self, Form, MotionFile};
 use super::manifest::{Entry, Manifest, RejectedEntry};
 use super::part::{Part, VERSION};
 use super::place;
 use super::report;
 use super::statistics::CorpusStatistics;
+use super::table;
 use crate::TrainError;
 use inkrig_formats::{
     ClipChoice, Format, Import, ImportOptions, companion_beside, read_in_folder, read_motion,
@@ -132,42 +133,46 @@ pub fn finish(config: &Config, folder: &Path) -> Result<Built, TrainError> {
 
 /// The body that everybody gets.
 fn target(config: &Config, files: &[MotionFile]) -> Result<Offsets, TrainError> {
-    let of = |path: &Path, format: Format, file: Option<&MotionFile>| {
-        let input = Input::read(config, path, format, file)?;
-        body(&input.import(None)?.clip)
+    let of = |path: &Path, form: &Form, file: Option<&MotionFile>| {
+        let input = Input::read(config, path, form, file)?;
+        match form {
+            Form::Motion(format) => body(&input.import(*format, None)?.clip),
+            Form::Table(table) => table.body(&input.bytes, config.least_frames),
+        }
     };
     let Some(path) = &config.body else {
         let usable = files.iter().filter(|file| file.set_aside.is_none() && file.split == Split::Train);
-        let found = usable.into_iter().find_map(|file| of(&file.path, file.format, Some(file)).ok());
+        let found = usable.into_iter().find_map(|file| of(&file.path, &file.form, Some(file)).ok());
         return found.ok_or_else(|| TrainError::Content {
             path: PathBuf::from("corpus"),
             what: "no motion file of the training split has a human body that could be everybody's".into(),
         });
     };
     let content = |what: String| TrainError::Content { path: path.clone(), what };
-    let format = path.extension().and_then(|extension| Format::from_extension(extension.to_str()?));
-    let format = format.ok_or_else(|| content("is no motion file by its name".into()))?;
     let file = files.iter().find(|file| file.path == *path);
-    of(path, format, file).map_err(|why| content(why.to_string()))
+    let by_name = || Format::from_extension(path.extension()?.to_str()?).map(Form::Motion);
+    let form = file.map(|file| file.form.clone()).or_else(by_name);
+    let form = form.ok_or_else(|| content("is no motion file by its name".into()))?;
+    of(path, &form, file).map_err(|why| content(why.to_string()))
 }
 
 /// The bytes that a part is made of.
 struct Input {
     bytes: Vec<u8>,
-    format: Format,
+    form: Form,
     folder: PathBuf,
     options: ImportOptions,
 }
 
 impl Input {
-    fn read(
-        config: &Config,
-        path: &Path,
-        format: Format,
-        file: Option<&MotionFile>,
-    ) -> Result<Self, Rejected> {
+    fn read(config: &Config, path: &Path, form: &Form, file: Option<&MotionFile>) -> Result<Self, Rejected> {
         let mut options = ImportOptions { frame_rate: None, ..ImportOptions::default() };
         let unreadable = |error: std::io::Error| Rejected::Unreadable(error.to_string());
+        let folder = path.parent().unwrap_or(Path::new(".")).to_path_buf();
+        let Form::Motion(format) = *form else {
+            let bytes = bytes(path, table::MOST_BYTES).map_err(unreadable)?;
+            return Ok(Self { bytes, form: form.clone(), folder, options });
+        };
         if matches!(format, Format::Amc | Format::DeepMimic) {
             let given = file.and_then(|file| config.sources.get(file.source)?.skeleton.clone());
             let skeleton = companion_beside(path, format).or(given);
@@ -178,15 +183,14 @@ impl Input {
             options.frame_rate = file.and_then(|file| file.frame_rate);
         }
         let bytes = bytes(path, options.limits.bytes).map_err(unreadable)?;
-        let folder = path.parent().unwrap_or(Path::new(".")).to_path_buf();
-        Ok(Self { bytes, format, folder, options })
+        Ok(Self { bytes, form: form.clone(), folder, options })
     }
 
-    fn import(&self, clip: Option<usize>) -> Result<Import, Rejected> {
+    fn import(&self, format: Format, clip: Option<usize>) -> Result<Import, Rejected> {
         let clip = clip.map(|index| ClipChoice::Number(index + 1));
         let options = ImportOptions { clip, ..self.options.clone() };
         let files = |name: &str, most: usize| read_in_folder(&self.folder, name, most);
-        read_motion(&self.bytes, self.format, &options, &files)
+        read_motion(&self.bytes, format, &options, &files)
             .map_err(|error| Rejected::Unreadable(error.to_string()))
     }
 
@@ -202,6 +206,9 @@ impl Input {
         add(&target.iter().flat_map(Vec3::to_array).flat_map(f32::to_le_bytes).collect::<Vec<u8>>());
         add(&self.options.frame_rate.unwrap_or(0.0).to_le_bytes());
         add(self.options.skeleton.as_deref().unwrap_or_default());
+        if let Form::Table(table) = &self.form {
+            add(&table.key());
+        }
         add(&self.bytes);
         hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
@@ -213,12 +220,12 @@ fn make(config: &Config, file: &MotionFile, target: &Offsets, folder: &Path) -> 
         return Ok(true);
     }
     let path = folder.join(part_name(config, file));
-    let input = Input::read(config, &file.path, file.format, Some(file));
+    let input = Input::read(config, &file.path, &file.form, Some(file));
     let key = input.as_ref().map_or_else(ToString::to_string, |input| input.key(config, target));
     if Part::key_of(&path).as_deref() == Some(&key) {
         return Ok(true);
     }
-    let part = Part::new(key, clips(input, target, config.least_frames));
+    let part = Part::new(key, clips(input, file, target, config.least_frames));
     let content = |what| TrainError::Content { path: path.clone(), what };
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)
@@ -231,8 +238,21 @@ fn make(config: &Config, file: &MotionFile, target: &Offsets, folder: &Path) -> 
 type NamedClip = (Option<String>, Result<Prepared, Rejected>);
 
 /// All clips of a file.
-fn clips(input: Result<Input, Rejected>, target: &Offsets, least_frames: usize) -> Vec<NamedClip> {
-    let first = input.and_then(|input| input.import(None).map(|import| (input, import)));
+fn clips(
+    input: Result<Input, Rejected>,
+    file: &MotionFile,
+    target: &Offsets,
+    least_frames: usize,
+) -> Vec<NamedClip> {
+    let format = match &file.form {
+        Form::Motion(format) => *format,
+        Form::Table(table) => {
+            let joints = input.and_then(|input| table.joints(&input.bytes));
+            let clip = joints.and_then(|joints| prepare_joints(&joints, target, least_frames));
+            return vec![(file.part.clone(), clip)];
+        }
+    };
+    let first = input.and_then(|input| input.import(format, None).map(|import| (input, import)));
     let (input, first) = match first {
         Ok(read) => read,
         Err(why) => return vec![(None, Err(why))],
@@ -241,7 +261,7 @@ fn clips(input: Result<Input, Rejected>, target: &Offsets, least_frames: usize) 
         return vec![(None, prepare(&first.clip, target, least_frames))];
     }
     let one = |index: usize| {
-        let import = input.import(Some(index))?;
+        let import = input.import(format, Some(index))?;
         prepare(&import.clip, target, least_frames)
     };
     first.clips.iter().enumerate().map(|(index, clip)| (Some(clip.name.clone()), one(index))).collect()
@@ -263,9 +283,8 @@ fn list(
         kind,
         why,
     };
-    if let Some(word) = &file.set_aside {
-        let why = Rejected::SetAside(word.clone());
-        rejected.push(left_out(None, why.kind().into(), why.to_string()));
+    if let Some(why) = &file.set_aside {
+        rejected.push(left_out(file.part.clone(), why.kind().into(), why.to_string()));
         return Ok(());
     }
     let part = part_name(config, file);
@@ -330,7 +349,9 @@ pub(super) fn part_name(config: &Config, file: &MotionFile) -> String {
         .chars()
         .map(|letter| if letter.is_ascii_alphanumeric() || letter == '-' { letter } else { '_' })
         .collect();
-    let hash = Sha256::digest(file.name.as_bytes());
+    // A name has no NUL: parts of a file and files are never taken for each other.
+    let part = file.part.as_ref().map(|part| format!("\0{part}")).unwrap_or_default();
+    let hash = Sha256::digest(format!("{}{part}", file.name).as_bytes());
     let short: String = hash.iter().take(4).map(|byte| format!("{byte:02x}")).collect();
     let shown: String = plain.chars().take(80).collect();
     format!("parts/{source}/{shown}-{short}.safetensors")

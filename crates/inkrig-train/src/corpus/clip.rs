@@ -22,10 +22,18 @@ pub struct Prepared {
 /// # Errors
 /// Why it is not fit to learn from.
 pub fn prepare(clip: &Clip, target: &Offsets, least_frames: usize) -> Result<Prepared, Rejected> {
-    let joints = joints(clip)?;
-    check(&joints, least_frames)?;
+    prepare_joints(&joints(clip)?, target, least_frames)
+}
+
+/// The same from joints at 20 frames a second, metres, y up.
+pub(super) fn prepare_joints(
+    joints: &[Joints],
+    target: &Offsets,
+    least_frames: usize,
+) -> Result<Prepared, Rejected> {
+    check(joints, least_frames)?;
     let broken = |error: inkrig_motion::MotionError| Rejected::Broken(error.to_string());
-    let uniform = humanml::ground(&humanml::uniform(&joints, target));
+    let uniform = humanml::ground(&humanml::uniform(joints, target));
     let features = humanml::features(&uniform).map_err(broken)?;
     let mirrored = humanml::features(&humanml::ground(&humanml::mirror(&uniform))).map_err(broken)?;
     let key_poses = key_pose_frames(&features);

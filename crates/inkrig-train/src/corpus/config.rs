@@ -32,6 +32,15 @@ pub struct Source {
     pub name: String,
     /// The folder.
     pub folder: PathBuf,
+    /// What is in it.
+    #[serde(default)]
+    pub format: SourceFormat,
+    /// Frames a second of tables of joints that do not say.
+    #[serde(default)]
+    pub frame_rate: Option<f64>,
+    /// The axis that points up in tables of joints.
+    #[serde(default)]
+    pub up: Up,
     /// What its licence allows, as one word that results can be sorted by: `free`, `attribution`, `non-commercial`.
     pub licence: String,
     /// The sentence that its licence or its makers ask for.
@@ -61,6 +70,30 @@ pub struct Source {
     /// The skeleton of files that have none beside them.
     #[serde(default)]
     pub skeleton: Option<PathBuf>,
+}
+
+/// What is in a folder.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SourceFormat {
+    /// Motion files of all kinds that the program reads.
+    #[default]
+    Motion,
+    /// NumPy's tables of joints (.npz, .npy): frames x 22 or more x 3, metres, in the order of SMPL.
+    Joints,
+    /// HumanML3D: `new_joint_vecs` or `new_joints`, `texts`, and the lists `train.txt`, `val.txt` and `test.txt`.
+    HumanMl3d,
+}
+
+/// An axis.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Up {
+    /// As in HumanML3D.
+    #[default]
+    Y,
+    /// As in AMASS.
+    Z,
 }
 
 /// What a clip is used for.
@@ -143,6 +176,13 @@ impl Config {
             if self.sources.iter().take(index).any(|other| other.name == source.name) {
                 return Err(format!("two sources are called `{}`", source.name));
             }
+            if source.format != SourceFormat::Joints && (source.frame_rate.is_some() || source.up != Up::Y) {
+                let name = &source.name;
+                return Err(format!("`{name}`: frame_rate and up are for format = \"joints\" alone"));
+            }
+            if let Some(rate) = source.frame_rate.filter(|rate| !super::table::RATES.contains(rate)) {
+                return Err(format!("frame_rate of `{}` is {rate}: give 1 to 1000", source.name));
+            }
             if source.licence.trim().is_empty() {
                 return Err(format!("say the licence of `{}`, for example \"free\"", source.name));
             }
@@ -192,6 +232,13 @@ mod tests {
         assert!(says(&format!("{good}{good}")).contains("two sources"));
         assert!(says(&good.replace("folder", "fodler")).contains("fodler"));
         assert!(says(&good.replace("'test'", "'tset'")).contains("tset"));
+        let with = |more: &str| good.replace("licence", &format!("{more}\nlicence"));
+        let tables = read(&with("format = 'joints'\nup = 'z'\nframe_rate = 120")).unwrap().sources.remove(0);
+        assert_eq!((tables.format, tables.up, tables.frame_rate), (SourceFormat::Joints, Up::Z, Some(120.0)));
+        assert!(read(&with("format = 'humanml3d'")).is_ok());
+        assert!(says(&with("format = 'npz'")).contains("joints"), "{}", says(&with("format = 'npz'")));
+        assert!(says(&with("format = 'humanml3d'\nup = 'z'")).contains("for format = \"joints\" alone"));
+        assert!(says(&with("format = 'joints'\nframe_rate = 0")).contains("give 1 to 1000"));
         assert!(says(&format!("least_frames = 1\n{good}")).contains("3 or more"));
     }
 }

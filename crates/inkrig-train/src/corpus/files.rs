@@ -1,7 +1,10 @@
 //! The motion files of a corpus, and what is known of each before it is read.
 
-use super::config::{Config, Source, Split, TextFrom};
+use super::check::Rejected;
+use super::config::{Config, Source, SourceFormat, Split, TextFrom};
+use super::humanml_folder;
 use super::index::Index;
+use super::table::{Rows, Table};
 use crate::TrainError;
 use inkrig_formats::Format;
 use std::collections::BTreeSet;
@@ -18,15 +21,24 @@ pub(super) struct MotionFile {
     pub path: PathBuf,
     /// The path within the source's folder, parts set apart by `/`.
     pub name: String,
-    pub format: Format,
+    pub form: Form,
+    /// The part of it that is a clip of its own.
+    pub part: Option<String>,
     pub subject: String,
-    /// Why it is not used, where the index says so.
-    pub set_aside: Option<String>,
+    /// Why it is not used, where that is known before it is read.
+    pub set_aside: Option<Rejected>,
     pub split: Split,
     /// Frames a second, for files that do not say.
     pub frame_rate: Option<f64>,
     /// What is done in it; `None` where the names of its clips say it.
     pub text: Option<String>,
+}
+
+/// How a file is read.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Form {
+    Motion(Format),
+    Table(Table),
 }
 
 /// All files of all sources, in the order of the configuration and of their names.
@@ -37,6 +49,10 @@ pub(super) fn find(config: &Config) -> Result<Vec<MotionFile>, TrainError> {
     let mut all = Vec::new();
     for (place, source) in config.sources.iter().enumerate() {
         let index = source.index.as_deref().map(Index::read).transpose()?.unwrap_or_default();
+        if source.format == SourceFormat::HumanMl3d {
+            all.extend(humanml_folder::find(place, source, &index)?);
+            continue;
+        }
         let mut paths = Vec::new();
         walk(&source.folder, 0, &mut paths)?;
         paths.sort();
@@ -103,13 +119,18 @@ fn walk(folder: &Path, depth: usize, into: &mut Vec<PathBuf>) -> Result<(), Trai
 }
 
 fn motion_file(place: usize, source: &Source, index: &Index, path: PathBuf) -> Option<MotionFile> {
-    let format = format_of(&path)?;
+    let extension = path.extension()?.to_str()?;
+    let format = Format::from_extension(extension);
+    let is_table = ["npy", "npz"].iter().any(|own| extension.eq_ignore_ascii_case(own));
+    // Joints lie beside much that is none; elsewhere a table is something that was meant to be read.
+    if !is_table && (format.is_none() || source.format == SourceFormat::Joints) {
+        return None;
+    }
     let within = path.strip_prefix(&source.folder).ok()?;
     let parts: Vec<&str> = within.iter().map(|part| part.to_str()).collect::<Option<_>>()?;
     let name = parts.join("/");
-    let holds = |patterns: &[String]| patterns.iter().any(|pattern| name.contains(pattern.as_str()));
     // A character of DeepMimic ends as its motions do: its readers tell them apart, but it is no motion.
-    if (!source.include.is_empty() && !holds(&source.include)) || holds(&source.exclude) {
+    if !wanted(source, &name) {
         return None;
     }
     let row = index.row(&path).cloned().unwrap_or_default();
@@ -117,7 +138,7 @@ fn motion_file(place: usize, source: &Source, index: &Index, path: PathBuf) -> O
     let first = if parts.len() > 1 { parts.first().copied() } else { None };
     let subject = row.subject.or_else(|| first.map(String::from)).unwrap_or_else(|| source.name.clone());
     let stem = path.file_stem()?.to_str()?.to_string();
-    let many_clips = matches!(format, Format::Glb | Format::Gltf | Format::Vrm | Format::Vrma);
+    let many_clips = matches!(format, Some(Format::Glb | Format::Gltf | Format::Vrm | Format::Vrma));
     let text = match source.text {
         TextFrom::Best if row.text.is_some() => row.text,
         _ if source.words.is_some() => source.words.clone(),
@@ -126,23 +147,45 @@ fn motion_file(place: usize, source: &Source, index: &Index, path: PathBuf) -> O
         TextFrom::Folder => Some(folder.unwrap_or(&source.name).to_string()),
         TextFrom::Nothing => Some(String::new()),
     };
-    let by_subject = source.subjects.get(&subject).copied();
-    let (split, set_aside) = match row.split {
-        Some(Ok(split)) => (by_subject.unwrap_or(split), None),
-        Some(Err(word)) => (Split::Train, Some(word)),
-        None => (by_subject.unwrap_or(source.split), None),
-    };
+    let (split, mut set_aside) = split_of(source, &subject, row.split);
+    if is_table && source.format == SourceFormat::Motion {
+        let what = "it is a table of NumPy: give its [[source]] format = \"joints\", or \"humanml3d\" for a folder of HumanML3D";
+        set_aside.get_or_insert(Rejected::Unreadable(what.into()));
+    }
+    let frame_rate = row.frame_rate.or(source.frame_rate);
+    let table = || Form::Table(Table { rows: Rows::Joints, frame_rate, up: source.up, span: None });
     Some(MotionFile {
         source: place,
         name,
-        format,
+        form: format.map_or_else(table, Form::Motion),
+        part: None,
         subject,
         set_aside,
         split,
-        frame_rate: row.frame_rate,
+        frame_rate,
         text,
         path,
     })
+}
+
+/// Whether a file is to be taken, by its path within the source's folder.
+pub(super) fn wanted(source: &Source, name: &str) -> bool {
+    let holds = |patterns: &[String]| patterns.iter().any(|pattern| name.contains(pattern.as_str()));
+    (source.include.is_empty() || holds(&source.include)) && !holds(&source.exclude)
+}
+
+/// The split of a clip, where a list may name one or say why it is none.
+pub(super) fn split_of(
+    source: &Source,
+    subject: &str,
+    listed: Option<Result<Split, String>>,
+) -> (Split, Option<Rejected>) {
+    let by_subject = source.subjects.get(subject).copied();
+    match listed {
+        Some(Ok(split)) => (by_subject.unwrap_or(split), None),
+        Some(Err(word)) => (Split::Train, Some(Rejected::SetAside(word))),
+        None => (by_subject.unwrap_or(source.split), None),
+    }
 }
 
 #[cfg(test)]
@@ -182,7 +225,7 @@ mod tests {
                 ("WaveHand.bvh", "d", Split::Val, Some("WaveHand")),
             ]
         );
-        assert_eq!(files[1].set_aside.as_deref(), Some("duplicate"));
+        assert_eq!(files[1].set_aside, Some(Rejected::SetAside("duplicate".into())));
         assert_eq!(files[1].frame_rate, Some(60.0));
 
         let fails = |change: &dyn Fn(&mut Source)| {

@@ -7,10 +7,12 @@
 //! deviations of the training split, `report.html` shows it all.
 
 mod build;
+mod captions;
 mod check;
 mod clip;
 mod config;
 mod files;
+mod humanml_folder;
 mod index;
 mod manifest;
 mod part;
@@ -18,12 +20,12 @@ mod place;
 mod poses;
 mod report;
 mod statistics;
-mod toml_text;
+mod table;
 
 pub use build::{Built, Progress, Shard, build, finish};
 pub use check::Rejected;
 pub use clip::{Prepared, prepare};
-pub use config::{Config, Source, Split, TextFrom};
+pub use config::{Config, Source, SourceFormat, Split, TextFrom, Up};
 pub use manifest::{Entry, Manifest, RejectedEntry};
 pub use part::{Part, PartClip};
 pub use poses::key_pose_frames;

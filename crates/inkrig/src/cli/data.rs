@@ -20,8 +20,21 @@ corpus.toml, paths relative to it:
   folder = \"captures\"            # BVH, AMC, GLB, ... of any people, folders within folders
   licence = \"free\"               # a word to sort by; whoever uses the weights will ask
   index = \"captures.csv\"         # optional: file, subject, split, description
-  include = [\"walk/\", \".bvh\"]   # optional: only files whose path within the folder holds one of these texts; exclude leaves files out
-  subjects = { ann = \"test\" }    # who is only measured on; a subject is called as the index says, else as the first folder";
+  subjects = { ann = \"test\" }    # who is only measured on
+
+  [[source]]
+  name = \"amass\"
+  folder = \"amass-joints\"
+  licence = \"non-commercial\"
+  format = \"joints\"              # .npz with a table joints, Jtr or positions, or .npy: frames x 22 or more x 3, metres
+  up = \"z\"                       # or \"y\", which is usual
+  frame_rate = 120               # of tables that do not say
+
+  [[source]]
+  name = \"humanml\"
+  folder = \"HumanML3D\"           # new_joint_vecs or new_joints, texts, train.txt, val.txt, test.txt
+  licence = \"non-commercial\"
+  format = \"humanml3d\"";
 
 /// Arguments of `inkrig data`.
 #[derive(Debug, Args)]
