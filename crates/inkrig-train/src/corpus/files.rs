@@ -5,13 +5,11 @@ use super::config::{Config, Source, SourceFormat, Split, TextFrom};
 use super::humanml_folder;
 use super::index::Index;
 use super::table::{Rows, Table};
+use super::walk::{Found, walk};
 use crate::TrainError;
 use inkrig_formats::Format;
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
-
-/// Folders within folders, at most.
-const DEEPEST: usize = 16;
+use std::borrow::Cow;
+use std::path::PathBuf;
 
 /// A motion file.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,104 +51,54 @@ pub(super) fn find(config: &Config) -> Result<Vec<MotionFile>, TrainError> {
             all.extend(humanml_folder::find(place, source, &index)?);
             continue;
         }
-        let mut paths = Vec::new();
-        walk(&source.folder, 0, &mut paths)?;
-        paths.sort();
-        let before = all.len();
-        let motions = paths.iter().filter(|path| format_of(path).is_some()).count();
-        for path in paths {
-            all.extend(motion_file(place, source, &index, path));
-        }
-        let own = all.get(before..).unwrap_or_default();
-        let wrong = |what: String| TrainError::Content { path: source.folder.clone(), what };
-        if own.is_empty() {
-            return Err(wrong(nothing_fits(source, motions)));
-        }
-        check_subjects(source, own).map_err(wrong)?;
+        let found = walk(&source.folder)?;
+        all.extend(found.into_iter().filter_map(|found| motion_file(place, source, &index, found)));
     }
     Ok(all)
 }
 
-fn nothing_fits(source: &Source, motions: usize) -> String {
-    let name = &source.name;
-    if motions == 0 {
-        return format!(
-            "no motion file (BVH, FBX, GLB, AMC, ...) is in the folder of the source `{name}` or in those below it"
-        );
-    }
-    format!(
-        "none of {motions} motion files fits the source `{name}`: `include` takes files whose path within the folder holds one of its texts, letter for letter (no * or ?), and `exclude` leaves out those whose path holds one"
-    )
-}
-
-/// A split that is said of nobody would be lost without a word.
-fn check_subjects(source: &Source, files: &[MotionFile]) -> Result<(), String> {
-    const SHOWN: usize = 8;
-    let known: BTreeSet<&str> = files.iter().map(|file| file.subject.as_str()).collect();
-    let Some(nobody) = source.subjects.keys().find(|subject| !known.contains(subject.as_str())) else {
-        return Ok(());
-    };
-    let shown: Vec<String> = known.iter().take(SHOWN).map(|subject| format!("`{subject}`")).collect();
-    let more = if known.len() > SHOWN { ", ..." } else { "" };
-    Err(format!(
-        "`subjects` of the source `{}` names `{nobody}`, and no file is of that subject; there are {}{more}",
-        source.name,
-        shown.join(", ")
-    ))
-}
-
-fn format_of(path: &Path) -> Option<Format> {
-    Format::from_extension(path.extension()?.to_str()?)
-}
-
-fn walk(folder: &Path, depth: usize, into: &mut Vec<PathBuf>) -> Result<(), TrainError> {
-    let failed = |cause| TrainError::File { path: folder.to_path_buf(), cause };
-    for entry in std::fs::read_dir(folder).map_err(failed)? {
-        let entry = entry.map_err(failed)?;
-        // Links are not followed: they could lead around in circles.
-        let kind = entry.file_type().map_err(failed)?;
-        if kind.is_dir() && depth < DEEPEST {
-            walk(&entry.path(), depth + 1, into)?;
-        } else if kind.is_file() {
-            into.push(entry.path());
-        }
-    }
-    Ok(())
-}
-
-fn motion_file(place: usize, source: &Source, index: &Index, path: PathBuf) -> Option<MotionFile> {
-    let extension = path.extension()?.to_str()?;
-    let format = Format::from_extension(extension);
+fn motion_file(place: usize, source: &Source, index: &Index, found: Found) -> Option<MotionFile> {
+    let Found { path, mut problem, is_folder } = found;
+    let extension = path.extension().map(|extension| extension.to_string_lossy().into_owned());
+    let extension = extension.unwrap_or_default();
+    let format = Format::from_extension(&extension);
     let is_table = ["npy", "npz"].iter().any(|own| extension.eq_ignore_ascii_case(own));
     // Joints lie beside much that is none; elsewhere a table is something that was meant to be read.
-    if !is_table && (format.is_none() || source.format == SourceFormat::Joints) {
+    if !is_folder && !is_table && (format.is_none() || source.format == SourceFormat::Joints) {
         return None;
     }
     let within = path.strip_prefix(&source.folder).ok()?;
-    let parts: Vec<&str> = within.iter().map(|part| part.to_str()).collect::<Option<_>>()?;
+    if within.to_str().is_none() {
+        problem = problem.or(Some("its name is not UTF-8: give it another"));
+    }
+    let parts: Vec<Cow<'_, str>> = within.iter().map(|part| part.to_string_lossy()).collect();
     let name = parts.join("/");
     // A character of DeepMimic ends as its motions do: its readers tell them apart, but it is no motion.
     if !wanted(source, &name) {
         return None;
     }
     let row = index.row(&path).cloned().unwrap_or_default();
-    let folder = parts.iter().rev().nth(1).copied();
-    let first = if parts.len() > 1 { parts.first().copied() } else { None };
-    let subject = row.subject.or_else(|| first.map(String::from)).unwrap_or_else(|| source.name.clone());
-    let stem = path.file_stem()?.to_str()?.to_string();
+    let folder = parts.iter().rev().nth(1);
+    let first = if parts.len() > 1 { parts.first() } else { None };
+    let subject =
+        row.subject.or_else(|| first.map(ToString::to_string)).unwrap_or_else(|| source.name.clone());
+    let stem = path.file_stem()?.to_string_lossy().into_owned();
     let many_clips = matches!(format, Some(Format::Glb | Format::Gltf | Format::Vrm | Format::Vrma));
     let text = match source.text {
         TextFrom::Best if row.text.is_some() => row.text,
         _ if source.words.is_some() => source.words.clone(),
         TextFrom::Best if many_clips => None,
         TextFrom::Best | TextFrom::FileName => Some(stem),
-        TextFrom::Folder => Some(folder.unwrap_or(&source.name).to_string()),
+        TextFrom::Folder => Some(folder.map_or_else(|| source.name.clone(), ToString::to_string)),
         TextFrom::Nothing => Some(String::new()),
     };
     let (split, mut set_aside) = split_of(source, &subject, row.split);
     if is_table && source.format == SourceFormat::Motion {
         let what = "it is a table of NumPy: give its [[source]] format = \"joints\", or \"humanml3d\" for a folder of HumanML3D";
         set_aside.get_or_insert(Rejected::Unreadable(what.into()));
+    }
+    if let Some(problem) = problem {
+        set_aside.get_or_insert(Rejected::Unreadable(problem.into()));
     }
     let frame_rate = row.frame_rate.or(source.frame_rate);
     let table = || Form::Table(Table { rows: Rows::Joints, frame_rate, up: source.up, span: None });
@@ -240,5 +188,43 @@ mod tests {
         put("empty/notes.md", "");
         let said = fails(&|source| source.folder = folder.path().join("empty"));
         assert!(said.contains("no motion file (BVH"), "{said}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_once_and_what_is_no_file_is_said() {
+        use std::os::unix::ffi::OsStrExt as _;
+        use std::os::unix::fs::symlink;
+        let desk = tempfile::tempdir().unwrap();
+        let at = |name: &str| desk.path().join(name);
+        std::fs::create_dir_all(at("data/ann")).unwrap();
+        std::fs::create_dir_all(at("far")).unwrap();
+        std::fs::write(at("data/ann/walk.bvh"), "").unwrap();
+        std::fs::write(at("far/run.bvh"), "").unwrap();
+        std::fs::write(at("data").join(std::ffi::OsStr::from_bytes(b"jump\xff.bvh")), "").unwrap();
+        symlink(at("far"), at("data/linked")).unwrap();
+        symlink(at("data"), at("data/ann/circle")).unwrap();
+        symlink(at("far/run.bvh"), at("data/run.bvh")).unwrap();
+        symlink(at("nowhere"), at("data/lost.bvh")).unwrap();
+        let _socket = std::os::unix::net::UnixListener::bind(at("data/socket.bvh")).unwrap();
+        std::fs::write(at("corpus.toml"), "[[source]]\nname='d'\nfolder='data'\nlicence='free'\n").unwrap();
+        let files = find(&Config::read(&at("corpus.toml")).unwrap()).unwrap();
+        let seen: Vec<_> = files
+            .iter()
+            .map(|file| {
+                let why = file.set_aside.as_ref().map(ToString::to_string).unwrap_or_default();
+                (file.name.as_str(), why.trim_start_matches("cannot be read: ").to_string())
+            })
+            .collect();
+        let expected = [
+            ("ann/circle", "it is a link to a folder that is read already"),
+            ("ann/walk.bvh", ""),
+            ("jump\u{fffd}.bvh", "its name is not UTF-8: give it another"),
+            ("linked/run.bvh", ""),
+            ("lost.bvh", "it is a link that leads nowhere"),
+            ("run.bvh", ""),
+            ("socket.bvh", "it is no file"),
+        ];
+        assert_eq!(seen, expected.map(|(name, why)| (name, why.to_string())));
     }
 }
