@@ -350,7 +350,7 @@ fn a_table_that_cannot_be_used_says_why() {
     for at in 0..archive.len() {
         let mut bytes = archive.clone();
         bytes[at] ^= 0x41;
-        desk.put(&format!("j/x{}.npz", at), &bytes);
+        desk.put(&format!("j/x{at}.npz"), &bytes);
     }
     assert_eq!(desk.build().manifest.entries().len(), 1);
 }
