@@ -46,7 +46,8 @@ pub struct Source {
     /// The sentence that its licence or its makers ask for.
     #[serde(default)]
     pub credit: String,
-    /// A CSV with a column `file` and any of `subject` or `actor`, `split`, `fps`, `description`, `label` or `text`.
+    /// A CSV with a column `file` and any of `subject` or `actor`, `split`, `fps`, `description`, `label` or `text`. A file is the end of
+    /// a path, or its name alone where no other file of the source is named so.
     #[serde(default)]
     pub index: Option<PathBuf>,
     /// Take only files whose path within the folder holds one of these. Default: all.

@@ -1,15 +1,15 @@
 //! The motion files of a corpus, and what is known of each before it is read.
 
-use super::check::Rejected;
-use super::config::{Config, Source, SourceFormat, Split, TextFrom};
-use super::humanml_folder;
-use super::index::Index;
-use super::table::{Rows, Table};
-use super::walk::{Found, walk};
+use super::config::{Config, Source, Split, TextFrom};
+use super::index::{Index, Row};
 use crate::TrainError;
 use inkrig_formats::Format;
-use std::borrow::Cow;
-use std::path::PathBuf;
+use std::collections::HashMap;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+/// Folders within folders, at most.
+const DEEPEST: usize = 16;
 
 /// A motion file.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +26,8 @@ pub(super) struct MotionFile {
     /// Why it is not used, where that is known before it is read.
     pub set_aside: Option<Rejected>,
     pub split: Split,
+    /// Whether the index or `subjects` says the split.
+    placed: bool,
     /// Frames a second, for files that do not say.
     pub frame_rate: Option<f64>,
     /// What is done in it; `None` where the names of its clips say it.
@@ -47,43 +49,95 @@ pub(super) fn find(config: &Config) -> Result<Vec<MotionFile>, TrainError> {
     let mut all = Vec::new();
     for (place, source) in config.sources.iter().enumerate() {
         let index = source.index.as_deref().map(Index::read).transpose()?.unwrap_or_default();
-        if source.format == SourceFormat::HumanMl3d {
-            all.extend(humanml_folder::find(place, source, &index)?);
-            continue;
+        let mut paths = Vec::new();
+        walk(&source.folder, 0, &mut paths)?;
+        paths.sort();
+        let names: Vec<(PathBuf, String, Format)> =
+            paths.into_iter().filter_map(|path| taken(source, path)).collect();
+        let mut alike: HashMap<&OsStr, Vec<&Path>> = HashMap::new();
+        for (path, ..) in &names {
+            alike.entry(path.file_name().unwrap_or_default()).or_default().push(path);
         }
-        let found = walk(&source.folder)?;
-        all.extend(found.into_iter().filter_map(|found| motion_file(place, source, &index, found)));
+        let first = all.len();
+        for (path, name, format) in &names {
+            let others = alike.get(path.file_name().unwrap_or_default()).into_iter().flatten();
+            let others: Vec<&Path> = others.copied().filter(|other| other != path).take(1).collect();
+            let content = |what| TrainError::Content { path: source.index.clone().unwrap_or_default(), what };
+            let row = index.row(path, &others).map_err(content)?.cloned().unwrap_or_default();
+            all.extend(motion_file(place, source, row, (path, name, *format)));
+        }
+        one_split_each(source, &mut all[first..])?;
     }
     Ok(all)
 }
 
-fn motion_file(place: usize, source: &Source, index: &Index, found: Found) -> Option<MotionFile> {
-    let Found { path, mut problem, is_folder } = found;
-    let extension = path.extension().map(|extension| extension.to_string_lossy().into_owned());
-    let extension = extension.unwrap_or_default();
-    let format = Format::from_extension(&extension);
-    let is_table = ["npy", "npz"].iter().any(|own| extension.eq_ignore_ascii_case(own));
-    // Joints lie beside much that is none; elsewhere a table is something that was meant to be read.
-    if !is_folder && !is_table && (format.is_none() || source.format == SourceFormat::Joints) {
-        return None;
+/// Refuses a subject that is placed in two splits: what is measured on would have been learned from. Files of a subject that are not
+/// placed go where its others are.
+fn one_split_each(source: &Source, files: &mut [MotionFile]) -> Result<(), TrainError> {
+    let mut splits: HashMap<&str, &MotionFile> = HashMap::new();
+    for file in files.iter().filter(|file| file.placed) {
+        let other = *splits.entry(&file.subject).or_insert(file);
+        if other.split != file.split {
+            let what = format!(
+                "subject {} is in two splits: {} in {}, {} in {}; give all of a subject the same, here or in `subjects` of the source",
+                file.subject,
+                other.name,
+                other.split.name(),
+                file.name,
+                file.split.name()
+            );
+            return Err(TrainError::Content { path: source.index.clone().unwrap_or_default(), what });
+        }
     }
+    let splits: HashMap<String, Split> =
+        splits.into_iter().map(|(subject, file)| (subject.to_string(), file.split)).collect();
+    for file in files.iter_mut().filter(|file| !file.placed) {
+        file.split = splits.get(&file.subject).copied().unwrap_or(file.split);
+    }
+    Ok(())
+}
+
+/// A motion file that the source does not leave out, with its path within the source's folder.
+fn taken(source: &Source, path: PathBuf) -> Option<(PathBuf, String, Format)> {
+    let format = Format::from_extension(path.extension()?.to_str()?)?;
     let within = path.strip_prefix(&source.folder).ok()?;
-    if within.to_str().is_none() {
-        problem = problem.or(Some("its name is not UTF-8: give it another"));
-    }
-    let parts: Vec<Cow<'_, str>> = within.iter().map(|part| part.to_string_lossy()).collect();
+    let parts: Vec<&str> = within.iter().map(|part| part.to_str()).collect::<Option<_>>()?;
     let name = parts.join("/");
+    let holds = |patterns: &[String]| patterns.iter().any(|pattern| name.contains(pattern.as_str()));
     // A character of DeepMimic ends as its motions do: its readers tell them apart, but it is no motion.
-    if !wanted(source, &name) {
+    if (!source.include.is_empty() && !holds(&source.include)) || holds(&source.exclude) {
         return None;
     }
-    let row = index.row(&path).cloned().unwrap_or_default();
-    let folder = parts.iter().rev().nth(1);
-    let first = if parts.len() > 1 { parts.first() } else { None };
-    let subject =
-        row.subject.or_else(|| first.map(ToString::to_string)).unwrap_or_else(|| source.name.clone());
-    let stem = path.file_stem()?.to_string_lossy().into_owned();
-    let many_clips = matches!(format, Some(Format::Glb | Format::Gltf | Format::Vrm | Format::Vrma));
+    Some((path, name, format))
+}
+
+fn walk(folder: &Path, depth: usize, into: &mut Vec<PathBuf>) -> Result<(), TrainError> {
+    let failed = |cause| TrainError::File { path: folder.to_path_buf(), cause };
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        // Links are not followed: they could lead around in circles.
+        let kind = entry.file_type().map_err(failed)?;
+        if kind.is_dir() && depth < DEEPEST {
+            walk(&entry.path(), depth + 1, into)?;
+        } else if kind.is_file() {
+            into.push(entry.path());
+        }
+    }
+    Ok(())
+}
+
+fn motion_file(
+    place: usize,
+    source: &Source,
+    row: Row,
+    (path, name, format): (&Path, &str, Format),
+) -> Option<MotionFile> {
+    let parts: Vec<&str> = name.split('/').collect();
+    let folder = parts.iter().rev().nth(1).copied();
+    let first = if parts.len() > 1 { parts.first().copied() } else { None };
+    let subject = row.subject.or_else(|| first.map(String::from)).unwrap_or_else(|| source.name.clone());
+    let stem = path.file_stem()?.to_str()?.to_string();
+    let many_clips = matches!(format, Format::Glb | Format::Gltf | Format::Vrm | Format::Vrma);
     let text = match source.text {
         TextFrom::Best if row.text.is_some() => row.text,
         _ if source.words.is_some() => source.words.clone(),
@@ -92,27 +146,25 @@ fn motion_file(place: usize, source: &Source, index: &Index, found: Found) -> Op
         TextFrom::Folder => Some(folder.map_or_else(|| source.name.clone(), ToString::to_string)),
         TextFrom::Nothing => Some(String::new()),
     };
-    let (split, mut set_aside) = split_of(source, &subject, row.split);
-    if is_table && source.format == SourceFormat::Motion {
-        let what = "it is a table of NumPy: give its [[source]] format = \"joints\", or \"humanml3d\" for a folder of HumanML3D";
-        set_aside.get_or_insert(Rejected::Unreadable(what.into()));
-    }
-    if let Some(problem) = problem {
-        set_aside.get_or_insert(Rejected::Unreadable(problem.into()));
-    }
-    let frame_rate = row.frame_rate.or(source.frame_rate);
-    let table = || Form::Table(Table { rows: Rows::Joints, frame_rate, up: source.up, span: None });
+    let by_subject = source.subjects.get(&subject).copied();
+    let placed = by_subject.is_some() && row.split.as_ref().is_none_or(Result::is_ok)
+        || matches!(row.split, Some(Ok(_)));
+    let (split, set_aside) = match row.split {
+        Some(Ok(split)) => (by_subject.unwrap_or(split), None),
+        Some(Err(word)) => (Split::Train, Some(word)),
+        None => (by_subject.unwrap_or(source.split), None),
+    };
     Some(MotionFile {
         source: place,
-        name,
-        form: format.map_or_else(table, Form::Motion),
-        part: None,
+        name: name.to_string(),
+        format,
         subject,
         set_aside,
         split,
-        frame_rate,
+        placed,
+        frame_rate: row.frame_rate,
         text,
-        path,
+        path: path.to_path_buf(),
     })
 }
 
@@ -226,5 +278,38 @@ mod tests {
             ("socket.bvh", "it is no file"),
         ];
         assert_eq!(seen, expected.map(|(name, why)| (name, why.to_string())));
+    }
+
+    #[test]
+    fn files_named_alike_keep_their_own_rows_and_a_subject_its_split() {
+        let folder = tempfile::tempdir().unwrap();
+        for part in ["a", "b"] {
+            std::fs::create_dir_all(folder.path().join("data").join(part)).unwrap();
+            std::fs::write(folder.path().join("data").join(part).join("clip.bvh"), "").unwrap();
+        }
+        let source = "[[source]]\nname='d'\nfolder='data'\nlicence='free'\nindex='index.csv'\n";
+        std::fs::write(folder.path().join("corpus.toml"), source).unwrap();
+        let found = |rows: &str| {
+            let text = format!("file,split,subject,description\n{rows}");
+            std::fs::write(folder.path().join("index.csv"), text).unwrap();
+            find(&Config::read(&folder.path().join("corpus.toml")).unwrap())
+        };
+        let files = found("a/clip.bvh,train,ann,walks\nb/clip.bvh,test,bob,jumps\n").unwrap();
+        let said: Vec<_> = files
+            .iter()
+            .map(|file| (file.subject.as_str(), file.split, file.text.as_deref().unwrap_or_default()))
+            .collect();
+        assert_eq!(said, [("ann", Split::Train, "walks"), ("bob", Split::Test, "jumps")]);
+        let error = found("clip.bvh,test,bob,jumps\n").unwrap_err().to_string();
+        assert!(error.contains("index.csv") && error.contains("which file is meant"), "{error}");
+        let error = found("a/clip.bvh,train,ann,walks\nb/clip.bvh,test,ann,jumps\n").unwrap_err().to_string();
+        assert!(
+            error.contains("subject ann is in two splits: a/clip.bvh in train, b/clip.bvh in test"),
+            "{error}"
+        );
+        assert!(found("a/clip.bvh,train,ann,walks\nb/clip.bvh,duplicate,ann,walks\n").is_ok());
+        // A file that the index does not place goes where its subject is.
+        let files = found("a/clip.bvh,test,ann,walks\nb/clip.bvh,,ann,walks\n").unwrap();
+        assert!(files.iter().all(|file| file.split == Split::Test));
     }
 }
