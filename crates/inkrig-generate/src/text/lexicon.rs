@@ -204,7 +204,11 @@ mod tests {
             ["dive", "dance", "carry", "lie down", "stand up"]
         );
         assert_eq!(names("cart wheel"), ["cartwheel"]);
-        assert_eq!(names("picks up a box, jumps in place, take 001"), ["pick up", "jump"], "things are no actions");
+        assert_eq!(
+            names("picks up a box, jumps in place, take 001"),
+            ["pick up", "jump"],
+            "things are no actions"
+        );
         assert_eq!(names("knelt, leapt and swam"), ["crouch", "jump", "dive"]);
         assert_eq!(names("subject cal 2 \u{0}\u{fffd} ßtraße"), [""; 0]);
         assert_eq!(names(""), [""; 0]);

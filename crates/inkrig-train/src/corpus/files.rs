@@ -1,15 +1,17 @@
 //! The motion files of a corpus, and what is known of each before it is read.
 
-use super::config::{Config, Source, Split, TextFrom};
+use super::check::Rejected;
+use super::config::{Config, Source, SourceFormat, Split, TextFrom};
+use super::humanml_folder;
 use super::index::{Index, Row};
+use super::table::{Rows, Table};
+use super::walk::{Found, walk};
 use crate::TrainError;
 use inkrig_formats::Format;
-use std::collections::HashMap;
+use std::borrow::Cow;
+use std::collections::{BTreeSet, HashMap};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-
-/// Folders within folders, at most.
-const DEEPEST: usize = 16;
 
 /// A motion file.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +29,7 @@ pub(super) struct MotionFile {
     pub set_aside: Option<Rejected>,
     pub split: Split,
     /// Whether the index or `subjects` says the split.
-    placed: bool,
+    pub placed: bool,
     /// Frames a second, for files that do not say.
     pub frame_rate: Option<f64>,
     /// What is done in it; `None` where the names of its clips say it.
@@ -44,31 +46,75 @@ pub(super) enum Form {
 /// All files of all sources, in the order of the configuration and of their names.
 ///
 /// # Errors
-/// When a folder cannot be read, no file of it fits, or nobody in it is called as a subject is.
+/// When a folder cannot be read, no file of it fits, the index does not say which of two files it means, somebody is in two splits, or nobody is
+/// called as a subject is.
 pub(super) fn find(config: &Config) -> Result<Vec<MotionFile>, TrainError> {
     let mut all = Vec::new();
     for (place, source) in config.sources.iter().enumerate() {
         let index = source.index.as_deref().map(Index::read).transpose()?.unwrap_or_default();
-        let mut paths = Vec::new();
-        walk(&source.folder, 0, &mut paths)?;
-        paths.sort();
-        let names: Vec<(PathBuf, String, Format)> =
-            paths.into_iter().filter_map(|path| taken(source, path)).collect();
-        let mut alike: HashMap<&OsStr, Vec<&Path>> = HashMap::new();
-        for (path, ..) in &names {
-            alike.entry(path.file_name().unwrap_or_default()).or_default().push(path);
-        }
         let first = all.len();
-        for (path, name, format) in &names {
-            let others = alike.get(path.file_name().unwrap_or_default()).into_iter().flatten();
-            let others: Vec<&Path> = others.copied().filter(|other| other != path).take(1).collect();
-            let content = |what| TrainError::Content { path: source.index.clone().unwrap_or_default(), what };
-            let row = index.row(path, &others).map_err(content)?.cloned().unwrap_or_default();
-            all.extend(motion_file(place, source, row, (path, name, *format)));
+        if source.format == SourceFormat::HumanMl3d {
+            all.extend(humanml_folder::find(place, source, &index)?);
+        } else {
+            all.extend(motion_files(place, source, &index)?);
+            one_split_each(source, all.get_mut(first..).unwrap_or_default())?;
         }
-        one_split_each(source, &mut all[first..])?;
+        let wrong = |what: String| TrainError::Content { path: source.folder.clone(), what };
+        check_subjects(source, all.get(first..).unwrap_or_default()).map_err(wrong)?;
     }
     Ok(all)
+}
+
+fn motion_files(place: usize, source: &Source, index: &Index) -> Result<Vec<MotionFile>, TrainError> {
+    let walked = walk(&source.folder)?;
+    let motions = walked.iter().filter(|found| looks_like_motion(source, found)).count();
+    let taken: Vec<(Found, String)> = walked.into_iter().filter_map(|found| taken(source, found)).collect();
+    if taken.is_empty() {
+        let what = nothing_fits(source, motions);
+        return Err(TrainError::Content { path: source.folder.clone(), what });
+    }
+    let mut alike: HashMap<&OsStr, Vec<&Path>> = HashMap::new();
+    for (found, _) in &taken {
+        alike.entry(found.path.file_name().unwrap_or_default()).or_default().push(&found.path);
+    }
+    let content = |what| TrainError::Content { path: source.index.clone().unwrap_or_default(), what };
+    let mut files = Vec::new();
+    for (found, name) in &taken {
+        let path = &found.path;
+        let others = alike.get(path.file_name().unwrap_or_default()).into_iter().flatten();
+        let others: Vec<&Path> = others.copied().filter(|other| other != path).take(1).collect();
+        let row = index.row(path, &others).map_err(content)?.cloned().unwrap_or_default();
+        files.extend(motion_file(place, source, row, found, name));
+    }
+    Ok(files)
+}
+
+fn nothing_fits(source: &Source, motions: usize) -> String {
+    let name = &source.name;
+    if motions == 0 {
+        return format!(
+            "no motion file (BVH, FBX, GLB, AMC, ...) is in the folder of the source `{name}` or in those below it"
+        );
+    }
+    format!(
+        "none of {motions} motion files fits the source `{name}`: `include` takes files whose path within the folder holds one of its texts, letter for letter (no * or ?), and `exclude` leaves out those whose path holds one"
+    )
+}
+
+/// A split that is said of nobody would be lost without a word.
+fn check_subjects(source: &Source, files: &[MotionFile]) -> Result<(), String> {
+    const SHOWN: usize = 8;
+    let known: BTreeSet<&str> = files.iter().map(|file| file.subject.as_str()).collect();
+    let Some(nobody) = source.subjects.keys().find(|subject| !known.contains(subject.as_str())) else {
+        return Ok(());
+    };
+    let shown: Vec<String> = known.iter().take(SHOWN).map(|subject| format!("`{subject}`")).collect();
+    let more = if known.len() > SHOWN { ", ..." } else { "" };
+    Err(format!(
+        "`subjects` of the source `{}` names `{nobody}`, and no file is of that subject; there are {}{more}",
+        source.name,
+        shown.join(", ")
+    ))
 }
 
 /// Refuses a subject that is placed in two splits: what is measured on would have been learned from. Files of a subject that are not
@@ -97,47 +143,51 @@ fn one_split_each(source: &Source, files: &mut [MotionFile]) -> Result<(), Train
     Ok(())
 }
 
-/// A motion file that the source does not leave out, with its path within the source's folder.
-fn taken(source: &Source, path: PathBuf) -> Option<(PathBuf, String, Format)> {
-    let format = Format::from_extension(path.extension()?.to_str()?)?;
-    let within = path.strip_prefix(&source.folder).ok()?;
-    let parts: Vec<&str> = within.iter().map(|part| part.to_str()).collect::<Option<_>>()?;
-    let name = parts.join("/");
-    let holds = |patterns: &[String]| patterns.iter().any(|pattern| name.contains(pattern.as_str()));
-    // A character of DeepMimic ends as its motions do: its readers tell them apart, but it is no motion.
-    if (!source.include.is_empty() && !holds(&source.include)) || holds(&source.exclude) {
+/// How a file is read, by its ending.
+fn form_of(source: &Source, path: &Path) -> Option<Form> {
+    let extension = path.extension()?.to_string_lossy();
+    let is_table = ["npy", "npz"].iter().any(|own| extension.eq_ignore_ascii_case(own));
+    if is_table {
+        let table = Table { rows: Rows::Joints, frame_rate: source.frame_rate, up: source.up, span: None };
+        return Some(Form::Table(table));
+    }
+    Format::from_extension(&extension).map(Form::Motion)
+}
+
+/// Joints lie beside much that is none; elsewhere a table is something that was meant to be read.
+fn looks_like_motion(source: &Source, found: &Found) -> bool {
+    match form_of(source, &found.path) {
+        Some(Form::Table(_)) => true,
+        Some(Form::Motion(_)) => source.format != SourceFormat::Joints,
+        None => false,
+    }
+}
+
+/// What the source does not leave out, with its path within the source's folder.
+fn taken(source: &Source, found: Found) -> Option<(Found, String)> {
+    if !found.is_folder && !looks_like_motion(source, &found) {
         return None;
     }
-    Some((path, name, format))
+    let within = found.path.strip_prefix(&source.folder).ok()?;
+    let problem = within.to_str().is_none().then_some("its name is not UTF-8: give it another");
+    let parts: Vec<Cow<'_, str>> = within.iter().map(|part| part.to_string_lossy()).collect();
+    let name = parts.join("/");
+    // A character of DeepMimic ends as its motions do: its readers tell them apart, but it is no motion.
+    let found = Found { problem: found.problem.or(problem), ..found };
+    wanted(source, &name).then_some((found, name))
 }
 
-fn walk(folder: &Path, depth: usize, into: &mut Vec<PathBuf>) -> Result<(), TrainError> {
-    let failed = |cause| TrainError::File { path: folder.to_path_buf(), cause };
-    for entry in std::fs::read_dir(folder).map_err(failed)? {
-        let entry = entry.map_err(failed)?;
-        // Links are not followed: they could lead around in circles.
-        let kind = entry.file_type().map_err(failed)?;
-        if kind.is_dir() && depth < DEEPEST {
-            walk(&entry.path(), depth + 1, into)?;
-        } else if kind.is_file() {
-            into.push(entry.path());
-        }
-    }
-    Ok(())
-}
-
-fn motion_file(
-    place: usize,
-    source: &Source,
-    row: Row,
-    (path, name, format): (&Path, &str, Format),
-) -> Option<MotionFile> {
+fn motion_file(place: usize, source: &Source, row: Row, found: &Found, name: &str) -> Option<MotionFile> {
+    let path = &found.path;
+    let form = form_of(source, path);
     let parts: Vec<&str> = name.split('/').collect();
-    let folder = parts.iter().rev().nth(1).copied();
-    let first = if parts.len() > 1 { parts.first().copied() } else { None };
-    let subject = row.subject.or_else(|| first.map(String::from)).unwrap_or_else(|| source.name.clone());
-    let stem = path.file_stem()?.to_str()?.to_string();
-    let many_clips = matches!(format, Format::Glb | Format::Gltf | Format::Vrm | Format::Vrma);
+    let folder = parts.iter().rev().nth(1);
+    let first = if parts.len() > 1 { parts.first() } else { None };
+    let subject =
+        row.subject.or_else(|| first.map(ToString::to_string)).unwrap_or_else(|| source.name.clone());
+    let stem = path.file_stem()?.to_string_lossy().into_owned();
+    let many_clips =
+        matches!(form, Some(Form::Motion(Format::Glb | Format::Gltf | Format::Vrm | Format::Vrma)));
     let text = match source.text {
         TextFrom::Best if row.text.is_some() => row.text,
         _ if source.words.is_some() => source.words.clone(),
@@ -146,25 +196,38 @@ fn motion_file(
         TextFrom::Folder => Some(folder.map_or_else(|| source.name.clone(), ToString::to_string)),
         TextFrom::Nothing => Some(String::new()),
     };
-    let by_subject = source.subjects.get(&subject).copied();
-    let placed = by_subject.is_some() && row.split.as_ref().is_none_or(Result::is_ok)
-        || matches!(row.split, Some(Ok(_)));
-    let (split, set_aside) = match row.split {
-        Some(Ok(split)) => (by_subject.unwrap_or(split), None),
-        Some(Err(word)) => (Split::Train, Some(word)),
-        None => (by_subject.unwrap_or(source.split), None),
+    let by_subject = source.subjects.contains_key(&subject);
+    let placed = match &row.split {
+        Some(said) => said.is_ok(),
+        None => by_subject,
+    };
+    let (split, mut set_aside) = split_of(source, &subject, row.split);
+    if matches!(form, Some(Form::Table(_))) && source.format == SourceFormat::Motion {
+        let what = "it is a table of NumPy: give its [[source]] format = \"joints\", or \"humanml3d\" for a folder of HumanML3D";
+        set_aside.get_or_insert(Rejected::Unreadable(what.into()));
+    }
+    if let Some(problem) = found.problem {
+        set_aside.get_or_insert(Rejected::Unreadable(problem.into()));
+    }
+    let frame_rate = row.frame_rate.or(source.frame_rate);
+    let form = match form {
+        Some(Form::Table(table)) => Form::Table(Table { frame_rate, ..table }),
+        Some(form) => form,
+        // A folder, which is listed only with what is wrong with it.
+        None => Form::Table(Table { rows: Rows::Joints, frame_rate, up: source.up, span: None }),
     };
     Some(MotionFile {
         source: place,
         name: name.to_string(),
-        format,
+        form,
+        part: None,
         subject,
         set_aside,
         split,
         placed,
-        frame_rate: row.frame_rate,
+        frame_rate,
         text,
-        path: path.to_path_buf(),
+        path: path.clone(),
     })
 }
 

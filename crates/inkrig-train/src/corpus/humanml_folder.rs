@@ -35,7 +35,7 @@ pub(super) fn find(place: usize, source: &Source, index: &Index) -> Result<Vec<M
         if is_image || !wanted(source, &name) {
             continue;
         }
-        let row = index.row(path).cloned().unwrap_or_default();
+        let row = index.row(path, &[]).ok().flatten().cloned().unwrap_or_default();
         let subject = row.subject.unwrap_or_else(|| source.name.clone());
         let listed = row.split.or_else(|| splits.get(stem).copied().map(Ok));
         let (split, mut set_aside) = split_of(source, &subject, listed);
@@ -62,6 +62,7 @@ pub(super) fn find(place: usize, source: &Source, index: &Index) -> Result<Vec<M
                 subject: subject.clone(),
                 set_aside: set_aside.clone(),
                 split,
+                placed: true,
                 frame_rate,
                 text: Some(text),
             });

@@ -21,6 +21,7 @@ mod poses;
 mod report;
 mod statistics;
 mod table;
+mod toml_text;
 mod walk;
 
 pub use build::{Built, Progress, Shard, build, finish};

@@ -20,7 +20,8 @@ corpus.toml, paths relative to it:
   folder = \"captures\"            # BVH, AMC, GLB, ... of any people, folders within folders
   licence = \"free\"               # a word to sort by; whoever uses the weights will ask
   index = \"captures.csv\"         # optional: file, subject, split, description
-  subjects = { ann = \"test\" }    # who is only measured on
+  include = [\"walk/\", \".bvh\"]   # optional: only files whose path within the folder holds one of these texts; exclude leaves files out
+  subjects = { ann = \"test\" }    # who is only measured on; a subject is called as the index says, else as the first folder
 
   [[source]]
   name = \"amass\"

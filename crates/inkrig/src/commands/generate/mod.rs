@@ -57,7 +57,7 @@ pub(super) fn run(args: &GenerateArgs, run: &Run<'_>, console: &Console) -> Resu
     let frames = model.frames(args)?;
     let wanted = Wanted {
         trajectory: args.trajectory3d.as_deref().map(|path| trajectory(path, frames)).transpose()?,
-        keypose: args.keypose3d.as_deref().map(|path| keypose(path, frames, &model.body)).transpose()?,
+        keypose: args.keypose3d.as_deref().map(|path| keypose(path, frames, &model.body()?)).transpose()?,
         frames,
     };
     let options = model.options(args)?;
