@@ -123,10 +123,10 @@ impl Frame {
 }
 
 /// How far a place is off a page, in longer sides of it, and that side; none where it is near enough, or the page is a point.
-fn off_page([least, most]: [[f64; 2]; 2], at: [f64; 2]) -> Option<(f64, f64)> {
-    let along = |axis: usize| (least[axis] - at[axis]).max(at[axis] - most[axis]).max(0.0);
-    let size = (most[0] - least[0]).max(most[1] - least[1]);
-    let pages = along(0).max(along(1)) / size;
+fn off_page([[left, low], [right, high]]: [[f64; 2]; 2], [x, y]: [f64; 2]) -> Option<(f64, f64)> {
+    let beyond = |least: f64, at: f64, most: f64| (least - at).max(at - most).max(0.0);
+    let size = (right - left).max(high - low);
+    let pages = beyond(left, x, right).max(beyond(low, y, high)) / size;
     (size > 0.0 && pages > MAX_STORYBOARD_PIN_PAGES).then_some((pages, size))
 }
 

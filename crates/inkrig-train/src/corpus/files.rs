@@ -316,7 +316,7 @@ mod tests {
         std::fs::create_dir_all(at("far")).unwrap();
         std::fs::write(at("data/ann/walk.bvh"), "").unwrap();
         std::fs::write(at("far/run.bvh"), "").unwrap();
-        std::fs::write(at("data").join(std::ffi::OsStr::from_bytes(b"jump\xff.bvh")), "").unwrap();
+        std::fs::write(at("data").join(OsStr::from_bytes(b"jump\xff.bvh")), "").unwrap();
         symlink(at("far"), at("data/linked")).unwrap();
         symlink(at("data"), at("data/ann/circle")).unwrap();
         symlink(at("far/run.bvh"), at("data/run.bvh")).unwrap();
