@@ -174,7 +174,7 @@ impl Model {
             let note = LicenceNote { text: header.licence.clone(), from: "its header".into() };
             inputs::add_licence(path, &note);
             if over.is_some() {
-                inputs::add_licence(&CLEAN.path(), &note);
+                [CLEAN, EXAMPLES].iter().for_each(|own| inputs::add_licence(&own.path(), &note));
             }
         }
         let (features, places) = header.statistics().map_err(wrong)?;
