@@ -28,6 +28,7 @@ pub(super) fn find(place: usize, source: &Source, index: &Index) -> Result<Vec<M
         return Err(TrainError::Content { path: source.folder.clone(), what });
     }
     let splits = splits(&source.folder)?;
+    let content = |what| TrainError::Content { path: source.index.clone().unwrap_or_default(), what };
     let mut files = Vec::new();
     for (stem, (path, folder, rows)) in &tables {
         let name = format!("{folder}/{stem}.npy");
@@ -35,7 +36,7 @@ pub(super) fn find(place: usize, source: &Source, index: &Index) -> Result<Vec<M
         if is_image || !wanted(source, &name) {
             continue;
         }
-        let row = index.row(path, &[]).ok().flatten().cloned().unwrap_or_default();
+        let row = index.row(path, &[]).map_err(content)?.cloned().unwrap_or_default();
         let subject = row.subject.unwrap_or_else(|| source.name.clone());
         let listed = row.split.or_else(|| splits.get(stem).copied().map(Ok));
         let (split, mut set_aside) = split_of(source, &subject, listed);
